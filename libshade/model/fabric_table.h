@@ -43,7 +43,6 @@ enum {
   FABRIC_ALONG = FABRIC_STRIPS, /* the mean sine of the tilt along the fibres, from -1 */
   FABRIC_VARIANCE,              /* and its variance */
   FABRIC_FIELDS,                /* of a vertex, after D of each strip; in units of their own */
-  FABRIC_FEW = 4,               /* lanes that fill no vector */
   FABRIC_RANK = 4,
   FABRIC_MATT_SIDE = 33, /* vertices of a diffuse table along a side */
   FABRIC_LEAST_SIDE = 61,

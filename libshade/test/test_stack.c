@@ -2,13 +2,15 @@
 /* COST = 0.3 */
 /*
  * What stack a single call takes, as shade.h states it: each in a thread of 64 KiB whose stack is
- * painted before, with every choice of a material and every instruction set.
+ * painted before, with every choice of a material, prepared hits of cloth, and every instruction
+ * set.
  */
 #define _XOPEN_SOURCE 700 /* pthread_attr_setstack */
 #include <pthread.h>
 #include <string.h>
 
-#include "support.h"
+#include "cloth.h"
+#include "model/fabric.h"
 
 #ifdef SANITIZED /* which puts room around everything */
 enum { STATED = 256 * 1024, THREAD = 1024 * 1024 };
@@ -50,13 +52,31 @@ CALL(drawf, *s = shade_bsdf_samplef(&metal, nf, wof, uf, wf, ff, &pdff, &cosinef
 CALL(diffuse, pdf = shade_diffuse_eval(SHADE_DIFFUSE_FIBRE_VIEW, wi, wo))
 CALL(diffusef, pdff = shade_diffuse_evalf(SHADE_DIFFUSE_FIBRE_VIEW, wif, wof))
 
+/* What is made before: where a hit is prepared, there are arrays as for many. */
+static cloth made;
+static shade_fabric_hit on_cloth;
+static shade_fabric_hitf on_clothf;
+static const double u3[3] = {.3, .6, .8};
+static const float u3f[3] = {.3f, .6f, .8f};
+CALL(cloth_eval, *s = shade_fabric_hit_eval(made.fabric, &on_cloth, wi, f))
+CALL(cloth_evalf, *s = shade_fabric_hit_evalf(made.fabric, &on_clothf, wif, ff))
+CALL(cloth_density, pdf = shade_fabric_hit_pdf(made.fabric, &on_cloth, wi, s))
+CALL(cloth_densityf, pdff = shade_fabric_hit_pdff(made.fabric, &on_clothf, wif, s))
+CALL(cloth_sample, *s = shade_fabric_hit_sample(made.fabric, &on_cloth, u3, w, f, &pdf))
+CALL(cloth_samplef, *s = shade_fabric_hit_samplef(made.fabric, &on_clothf, u3f, wf, ff, &pdff))
+
 #define ROW(name)                                                                                  \
   { #name, name }
-static const struct {
+typedef struct row {
   const char *name;
   void *(*call)(void *);
-} rows[] = {ROW(mdf),     ROW(mdff),     ROW(eval), ROW(evalf), ROW(hit),     ROW(hitf),
-            ROW(density), ROW(densityf), ROW(draw), ROW(drawf), ROW(diffuse), ROW(diffusef)};
+} row;
+static const row of_cloth[] = {ROW(cloth_eval),     ROW(cloth_evalf),  ROW(cloth_density),
+                               ROW(cloth_densityf), ROW(cloth_sample), ROW(cloth_samplef)};
+enum { CLOTHS = sizeof of_cloth / sizeof of_cloth[0] };
+static const row rows[] = {ROW(mdf),  ROW(mdff),  ROW(eval),    ROW(evalf),
+                           ROW(hit),  ROW(hitf),  ROW(density), ROW(densityf),
+                           ROW(draw), ROW(drawf), ROW(diffuse), ROW(diffusef)};
 
 /* Bytes from the top of a thread's stack down to the lowest that was written. */
 static long touched(void *(*call)(void *)) {
@@ -74,6 +94,46 @@ static long touched(void *(*call)(void *)) {
   while (stack[clean] == PAINT && clean < THREAD - 1)
     clean++;
   return THREAD - clean;
+}
+
+static void light_through(shade_fabric_params *p) {
+  p->warp_transmit[0] = p->weft_transmit[0] = .2;
+}
+
+static void calls_on_cloth_are_lean(void **state) {
+  (void)state;
+  static const char *const names[] = {"denim", "linen", "silk_charmeuse"};
+  long most[CLOTHS] = {0};
+  const long own = touched(nothing);
+  for (int k = 0; k < 3 * SHADE_HORIZON_COUNT; k++) {
+    made = open_cloth(names[k % 3], light_through);
+    made.fabric->horizon = (shade_horizon)(k / 3);
+    for (int at = 0; at < 4 * (shade_isa_chosen() + 1); at++) {
+      shade_fabric_point point;
+      shade_fabric_pointf pointf;
+      made.fabric->isa = at / 4;
+      shade_fabric_point_init(made.fabric, &point);
+      shade_fabric_point_initf(made.fabric, &pointf);
+      for (int a = 0; a < 3; a++) {
+        point.n[a] = n[a];
+        pointf.n[a] = nf[a];
+      }
+      for (int a = 0; a < 2; a++)
+        point.footprint[a] = pointf.footprint[a] = .75; /* near and far terms */
+      const shade_fabric_tier tier = (shade_fabric_tier)(at % 4);
+      shade_fabric_prepare(made.fabric, &point, wo, tier, &on_cloth, NULL);
+      shade_fabric_preparef(made.fabric, &pointf, wof, tier, &on_clothf, NULL);
+      for (int which = 0; which < CLOTHS; which++) {
+        const long bytes = touched(of_cloth[which].call) - own;
+        most[which] = bytes > most[which] ? bytes : most[which];
+      }
+    }
+    close_cloth(&made);
+  }
+  for (int which = 0; which < CLOTHS; which++) {
+    print_message("%-14s %6ld bytes\n", of_cloth[which].name, most[which]);
+    assert_in_range(most[which], LEAST, STATED);
+  }
 }
 
 static void single_calls_are_lean(void **state) {
@@ -109,6 +169,7 @@ static void single_calls_are_lean(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(single_calls_are_lean)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(single_calls_are_lean),
+                                     cmocka_unit_test(calls_on_cloth_are_lean)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

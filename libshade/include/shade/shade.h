@@ -11,8 +11,8 @@
  *
  * Threads. Every function here is reentrant and free of global state; a
  * shade_bsdf may be shared by any number of threads once it is set up.
- * Nothing here allocates. A call for one sample takes at most 16 KiB of stack; one over arrays
- * keeps blocks of samples on it: at most 256 KiB.
+ * Nothing here allocates. A call for one sample takes at most 16 KiB of stack; one over arrays, or
+ * that prepares a cloth, keeps blocks of samples on it: at most 256 KiB.
  *
  * Names ending in f take and return float, the others double.
  */
