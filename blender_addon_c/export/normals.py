@@ -16,7 +16,8 @@ def of_loops(mesh):
         return read(mesh.loops, "normal", 3).reshape(-1, 3)
     if by_corners(mesh):
         return read(mesh.corner_normals, "vector", 3).reshape(-1, 3)
-    vertices = read(mesh.attributes[".corner_vert"].data, "value", 1, np.int32)
+    corners = mesh.attributes.get(".corner_vert")  # none in a mesh without faces
+    vertices = read(corners.data, "value", 1, np.int32) if corners else np.zeros(0, np.int32)
     return read(mesh.vertex_normals, "vector", 3).reshape(-1, 3)[vertices]
 
 

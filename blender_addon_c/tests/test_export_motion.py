@@ -88,3 +88,20 @@ def test_times_double_with_each_step_as_in_cycles(motion, own, parents, times):
     assert motion._steps(thing(own), instancer) == times
     assert motion._times(times) == pytest.approx([2 * k / (times - 1) - 1 for k in range(times)])
     assert motion._steps(thing(own), thing(1, blurred=False)) == 0
+
+
+class Vectors(list):
+    """A collection of Blender's."""
+
+    def foreach_get(self, attribute, values):
+        values[:] = [number for vector in self for number in vector]
+
+
+def test_a_mesh_without_faces_has_places_and_no_normals_at_corners(motion):
+    """From 4.1 on it has no list of what vertices its corners are at."""
+    places = Vectors([(1, 2, 3), (4, 5, 6)])
+    mesh = Made(vertices=places, vertex_normals=Vectors([(0, 0, 1), (0, 0, 1)]), corner_normals=Vectors(), normals_domain="POINT",
+                attributes={})
+    positions, normals = motion._shape(mesh)
+    assert positions.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert normals.shape == (0, 3)
