@@ -37,12 +37,12 @@ LEAF carrier carrier_of(real nx, real ny, real nz, real tx, real ty) {
   return f;
 }
 
-/* (x, y, z) of the surface to the frame of the fibres, all with x along the yarns' axis. */
 /* n is z. */
 LEAF carrier carrier_flat(real tx, real ty) {
   return (carrier){1, 0, 0, 1, 0, 0, 0, 1, tx, ty};
 }
 
+/* (x, y, z) of the surface to the frame of the fibres, all with x along the yarns' axis. */
 LEAF triple carry(carrier f, real x, real y, real z) {
   real along = f.ax * x + f.az * z;
   real across = f.bx * x + f.by * y + f.bz * z;
