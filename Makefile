@@ -7,6 +7,7 @@
 #   make render    build/shade-render, which renders scenes that Blender saved, without Blender
 #   make release   the add-on for every Linux with glibc 2.28 or later: build/release/libshade-blender.zip
 #   make povray    POV-Ray with libshade: build/povray/povray
+#   make povray-package  it as a package for Debian, beside Debian's own, and as an archive that runs from any folder
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all
 #   make compare-quick  a smaller report, in two minutes once all is built
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall

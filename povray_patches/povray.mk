@@ -12,6 +12,19 @@ povray: povray-source $(B)/libshade_dump.a $(B)/libshade.a
 povray-source: setup-povray
 	@PREPARE=1 $(P)/build.sh $(B)/povray libshade
 
+# Debian's package of it and the archive that runs from any folder
+.PHONY: povray-package
+povray-package: povray | $(S)/package.stamp
+	@$(P)/package/package.sh $(B)/povray $(B)/povray-package
+
+# of the package: its tests, and a minimal Debian that it is installed in and removed from (about 80 s)
+.PHONY: check-povray-package
+soak: check-povray-package
+check-povray-package: povray-package setup-test
+	$(PY) -m pytest -q $(P)/tests/test_package.py
+	rm -rf $(B)/chroot-package
+	$(P)/package/check-install.sh $(B)/povray-package/*.deb $(B)/chroot-package
+
 # The words of a block, for editors.
 WORDS := $(B)/povray/editor/words.txt $(B)/povray/editor/pov.vim
 povray: $(WORDS)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # What must be on the system: Debian packages and, in build/, Python environments with pinned packages.
-#   make setup-build setup-blender setup-povray setup-demo setup-test setup-peers setup-release
+#   make setup-build setup-blender setup-povray setup-package setup-demo setup-test setup-peers setup-release
 # Debian's own Python (3.11), since bpy's wheels are made for one version.
 PYTHON3 := /usr/bin/python3
 VENV := $(B)/venv
@@ -20,6 +20,7 @@ NEEDS_render := build blender
 NEEDS_native-sanitized := $(NEEDS_native)
 NEEDS_check-sanitized := $(NEEDS_native)
 NEEDS_povray := build povray
+NEEDS_povray-package := $(NEEDS_povray) package
 NEEDS_compare := build blender povray demo
 NEEDS_demo := $(NEEDS_compare)
 NEEDS_compare-peers := $(NEEDS_compare) peers
@@ -29,7 +30,8 @@ NEEDS_bench := build
 NEEDS_bench-pairs := build
 NEEDS_bench-frames := $(NEEDS_compare)
 NEEDS_check-libshade := build test
-NEEDS_soak := build blender povray test
+NEEDS_soak := build blender povray package test
+NEEDS_check-povray-package := $(NEEDS_povray-package) test
 NEEDS_check-povray-scenes := build povray test
 NEEDS_lint := lint
 NEEDS_release := build blender release
@@ -41,7 +43,7 @@ ifneq ($(NEEDS),)
 include $(NEEDS:%=$(S)/%.stamp)
 endif
 
-SETUPS := build blender povray demo test lint peers release
+SETUPS := build blender povray package demo test lint peers release
 .PHONY: $(SETUPS:%=setup-%)
 $(SETUPS:%=setup-%): setup-%: $(S)/%.stamp
 

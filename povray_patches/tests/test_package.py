@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: AGPL-3.0-or-later
+"""What `make povray-package` leaves: the package for Debian, and the archive that runs from any folder."""
+import os
+import re
+import shutil
+import subprocess
+
+import OpenImageIO as oiio
+import pytest
+
+from conftest import ROOT
+
+COST = 27
+
+FOLDER = ROOT / "build/povray-package"
+NAME = "povray-libshade"
+pytestmark = pytest.mark.skipif(len(list(FOLDER.glob("*.deb")) + list(FOLDER.glob("*.tar.xz"))) != 2,
+                                reason="not built: make povray-package")
+
+SCENE = """#version 3.7;
+#include "colors.inc"
+#include "libshade_metals.inc"
+global_settings { assumed_gamma 1 }
+camera { location <0, 0, -3> look_at 0 angle 40 right x up y }
+light_source { <3, 4, -6>, White }
+sphere { 0, 1 pigment { rgb 0 } finish { ambient 0 diffuse 0 mdf { ggx .2, .5 specular rgb <.2, .9, .1> } } }
+"""
+
+
+def run(*command, status=0, **more):
+    done = subprocess.run(command, text=True, errors="replace", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, timeout=300, **more)
+    assert done.returncode == status, done.stdout
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def deb(tmp_path_factory):
+    """The package, its files unpacked."""
+    folder = tmp_path_factory.mktemp("deb")
+    run("dpkg-deb", "--raw-extract", next(FOLDER.glob("*.deb")), folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def unpacked(tmp_path_factory):
+    """The archive in a folder with a space and other letters."""
+    folder = tmp_path_factory.mktemp("a folder, ткань")
+    run("tar", "-xf", next(FOLDER.glob("*.tar.xz")), "-C", folder)
+    top, = folder.iterdir()
+    return top
+
+
+def files(folder):
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+
+
+def test_package_has_what_it_needs_in_folders_of_its_own(deb):
+    there = files(deb) - {"DEBIAN/control", "DEBIAN/md5sums"}  # no script runs when it is installed
+    own = rf"usr/(bin/{NAME}$|lib/{NAME}/|share/{NAME}/|share/doc/{NAME}/|share/man/man1/{NAME}\.1\.gz$)"
+    assert [name for name in there if not re.match(own, name)] == []
+    includes = {path.name for path in (ROOT / "povray_patches/include").iterdir()} | {"colors.inc", "textures.inc"}
+    assert {f"usr/share/{NAME}/include/{name}" for name in includes} <= there
+    documents = f"usr/share/doc/{NAME}"
+    assert {f"usr/bin/{NAME}", f"usr/lib/{NAME}/povray", f"usr/share/{NAME}/povray.ini", f"usr/share/man/man1/{NAME}.1.gz",
+            f"{documents}/copyright", f"{documents}/changelog.gz", f"{documents}/povray.md"} <= there
+
+
+def test_package_says_what_it_depends_on(deb):
+    """Each library that the program asks for itself is of a package in Depends."""
+    depends = re.search("^Depends: (.*)", (deb / "DEBIAN/control").read_text(), re.M).group(1)
+    needed = re.findall(r"\(NEEDED\).*\[(.*)\]", run("readelf", "-d", deb / f"usr/lib/{NAME}/povray"))
+    assert len(needed) > 5
+    for library in needed:
+        owners = run("dpkg-query", "-S", f"*/{library}").split("\n")
+        assert any(re.search(rf"(^|, ){re.escape(line.split(':')[0])}( |,|$)", depends) for line in owners if line), library
+
+
+def test_sums_are_those_of_the_files(deb):
+    run("md5sum", "--quiet", "-c", "DEBIAN/md5sums", cwd=deb)
+    listed = {line.split(maxsplit=1)[1] for line in (deb / "DEBIAN/md5sums").read_text().splitlines()}
+    assert listed == {name for name in files(deb) if not name.startswith("DEBIAN/")}
+
+
+def test_archive_has_the_files_of_the_package(deb, unpacked):
+    ours = {name.removeprefix("usr/") for name in files(deb) if name.startswith("usr/")}
+    assert files(unpacked) == ours | {"README", f"share/doc/{NAME}/Apache-2.0.txt"}
+    for name in ours:
+        assert (unpacked / name).read_bytes() == (deb / "usr" / name).read_bytes(), name
+
+
+def test_nothing_names_the_machine_it_was_made_on(unpacked):
+    """Neither the folder of the tree nor that of the user."""
+    places = {str(ROOT), os.path.expanduser("~"), str(ROOT.parent)} - {"/"}
+    for name in files(unpacked):
+        data = (unpacked / name).read_bytes()
+        assert [place for place in places if f"{place}/".encode() in data] == [], name
+    assert "RPATH" not in (dynamic := run("readelf", "-d", unpacked / f"lib/{NAME}/povray")) and "RUNPATH" not in dynamic
+
+
+def test_archive_renders_from_where_it_lies(unpacked, tmp_path):
+    """With its include files alone, though an old folder of settings is there."""
+    home = tmp_path / "home of one"
+    (home / ".povray/3.7").mkdir(parents=True)
+    (home / ".povray/3.7/povray.ini").write_text("Width=3\nHeight=3\nOutput_File_Name=other.png\n")
+    (tmp_path / "scene.pov").write_text(SCENE)
+    environment = {"PATH": "/usr/bin:/bin", "HOME": str(home)}
+    log = run(unpacked / f"bin/{NAME}", "+Iscene.pov", "+Oimage.exr", "+FE", "-D", "-V", cwd=tmp_path, env=environment)
+    pixels = oiio.ImageBuf(str(tmp_path / "image.exr")).get_pixels(oiio.FLOAT)
+    assert pixels.shape[:2] != (3, 3), log
+    red, green, blue = pixels[..., :3].reshape(-1, 3).sum(0)
+    assert green > 10 and (red / green, blue / green) == pytest.approx((2 / 9, 1 / 9), rel=1e-3)  # half floats
+
+
+def test_a_link_to_the_program_finds_its_files(unpacked, tmp_path):
+    (tmp_path / "pov").symlink_to(unpacked / f"bin/{NAME}")
+    (tmp_path / "scene.pov").write_text(SCENE)
+    run(tmp_path / "pov", "+Iscene.pov", "+Oimage.png", "+W8", "+H8", "-D", "-V", cwd=tmp_path)
+    assert (tmp_path / "image.png").exists()
+
+
+def test_same_bytes_twice(tmp_path):
+    """With another number of processors, other rights of new files, another place on Earth."""
+    pack = ROOT / "povray_patches/package/package.sh", ROOT / "build/povray"
+    run(*pack, tmp_path / "one")
+    run("sh", "-c", 'umask 077 && TZ=Asia/Tokyo exec taskset -c 0 "$@"', "sh", *pack, tmp_path / "two")
+    one, two = ({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in ("one", "two"))
+    assert len(one) == 2 and one == two
+
+
+@pytest.mark.skipif(not shutil.which("lintian"), reason="lintian is not installed")
+def test_lintian_finds_no_error():
+    run("lintian", "--allow-root", "--fail-on", "error", "--tag-display-limit", "0", next(FOLDER.glob("*.deb")))
