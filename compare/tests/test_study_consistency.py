@@ -181,7 +181,7 @@ def test_every_example_is_there():
     for path in (programs.ROOT / "examples" / "povray").glob("*/*.pov"):
         assert path.stem == "suzanne" or f"povray-{path.stem}" in keys
     for path in (programs.ROOT / "examples" / "blender").iterdir():
-        assert not path.is_dir() or path.name in ("suzanne", "nodes") or f"blender-{path.name}" in keys
+        assert not path.is_dir() or path.name in ("suzanne", "nodes", "__pycache__") or f"blender-{path.name}" in keys
     assert [task.key for task in study.tasks(True)] == ["suzanne-quick"]
 
 

@@ -12,6 +12,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common
 
 folder, script, *given = common.arguments()
+sys.dont_write_bytecode = True  # beside an example
 
 
 @bpy.app.handlers.persistent
