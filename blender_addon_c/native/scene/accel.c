@@ -20,10 +20,11 @@
 /* Embree 4 has no streams, asks a ray's mask always and gives geometries one of a single bit. */
 #if RTC_VERSION_MAJOR >= 4
 #define EMBREE_SYSTEM "libembree4.so.4"
-#define EMBREE_OF_VERSION(F) F(rtcIntersect16) F(rtcSetGeometryMask)
+#define EMBREE_OF_VERSION(F)                                                                       \
+  F(rtcIntersect8) F(rtcIntersect16) F(rtcOccluded8) F(rtcSetGeometryMask)
 #else
 #define EMBREE_SYSTEM "libembree3.so.3"
-#define EMBREE_OF_VERSION(F) F(rtcIntersectNp) F(rtcOccludedNp)
+#define EMBREE_OF_VERSION(F) F(rtcIntersectNp) F(rtcOccludedNp) F(rtcOccluded16)
 #endif
 
 #define EMBREE_FUNCTIONS(F)                                                                        \
@@ -51,7 +52,6 @@
   F(rtcSetGeometryUserData)                                                                        \
   F(rtcSetGeometryIntersectFilterFunction)                                                         \
   F(rtcSetGeometryOccludedFilterFunction)                                                          \
-  F(rtcOccluded16)                                                                                 \
   EMBREE_OF_VERSION(F)
 
 /* One table for the process, filled once: a library is never unloaded. */
@@ -333,56 +333,56 @@ void accel_free(accel *a) {
   free(a);
 }
 
-enum { PACKET = 16 };
-
-/* Those from `begin` on: lanes have room for a whole last packet. kinds: read where some hide. */
-static void pack(const accel *a, const rays *ray, const uint32_t *kinds, size_t begin, size_t count,
-                 struct RTCRay16 *packet, int *valid) {
-#define PACKET_LANES(of, lanes) memcpy(packet->of, (lanes) + begin, sizeof packet->of)
-  PACKET_LANES(org_x, ray->o.x);
-  PACKET_LANES(org_y, ray->o.y);
-  PACKET_LANES(org_z, ray->o.z);
-  PACKET_LANES(tnear, ray->tnear);
-  PACKET_LANES(dir_x, ray->d.x);
-  PACKET_LANES(dir_y, ray->d.y);
-  PACKET_LANES(dir_z, ray->d.z);
-  PACKET_LANES(tfar, ray->tfar);
-  if (a->timed)
-    PACKET_LANES(time, ray->time);
-  if (a->veiled)
-    PACKET_LANES(mask, kinds);
-#undef PACKET_LANES
-  for (size_t k = 0; k < PACKET; k++)
-    valid[k] = begin + k < count && packet->tfar[k] >= packet->tnear[k] ? -1 : 0;
-}
-
 #if RTC_VERSION_MAJOR >= 4
+/* By packets of N: lanes have room for a whole last one. */
+#define TO_PACKET(of, lanes) memcpy(packet.ray.of, (lanes) + begin, sizeof packet.ray.of)
+#define FROM_PACKET(lanes, of) memcpy((lanes) + begin, packet.of, sizeof packet.of)
+#define INTERSECT(N)                                                                               \
+  static void intersect_##N(const accel *a, size_t count, const uint32_t *kinds,                   \
+                            struct RTCIntersectArguments *arguments, rays *ray, hits *hit) {       \
+    struct RTCRayHit##N packet = {.ray = {.time = {0}}};                                           \
+    _Alignas(64) int valid[N];                                                                     \
+    memset(packet.ray.mask, 0xff, sizeof packet.ray.mask);                                         \
+    for (size_t begin = 0; begin < count; begin += N) {                                            \
+      TO_PACKET(org_x, ray->o.x);                                                                  \
+      TO_PACKET(org_y, ray->o.y);                                                                  \
+      TO_PACKET(org_z, ray->o.z);                                                                  \
+      TO_PACKET(tnear, ray->tnear);                                                                \
+      TO_PACKET(dir_x, ray->d.x);                                                                  \
+      TO_PACKET(dir_y, ray->d.y);                                                                  \
+      TO_PACKET(dir_z, ray->d.z);                                                                  \
+      TO_PACKET(tfar, ray->tfar);                                                                  \
+      if (a->timed)                                                                                \
+        TO_PACKET(time, ray->time);                                                                \
+      if (a->veiled)                                                                               \
+        TO_PACKET(mask, kinds);                                                                    \
+      for (size_t k = 0; k < N; k++)                                                               \
+        valid[k] = begin + k < count && packet.ray.tfar[k] >= packet.ray.tnear[k] ? -1 : 0;        \
+      memset(packet.hit.geomID, 0xff, sizeof packet.hit.geomID); /* ACCEL_MISS */                  \
+      memset(packet.hit.instID, 0xff, sizeof packet.hit.instID);                                   \
+      embree.rtcIntersect##N(valid, a->scene, &packet, arguments);                                 \
+      FROM_PACKET(ray->tfar, ray.tfar);                                                            \
+      FROM_PACKET(hit->g.x, hit.Ng_x);                                                             \
+      FROM_PACKET(hit->g.y, hit.Ng_y);                                                             \
+      FROM_PACKET(hit->g.z, hit.Ng_z);                                                             \
+      FROM_PACKET(hit->u, hit.u);                                                                  \
+      FROM_PACKET(hit->v, hit.v);                                                                  \
+      FROM_PACKET(hit->primitive, hit.primID);                                                     \
+      FROM_PACKET(hit->geometry, hit.geomID);                                                      \
+      if (a->instances)                                                                            \
+        FROM_PACKET(hit->instance, hit.instID[0]);                                                 \
+    }                                                                                              \
+  }
+INTERSECT(8)
+INTERSECT(16)
+
+/* Rays that keep together gain by wider packets, others by narrower ones. */
 static void intersect(const accel *a, size_t count, bool coherent, const uint32_t *kinds, rays *ray,
                       hits *hit) {
   struct RTCIntersectArguments arguments;
-  struct RTCRayHit16 packet = {.ray = {.time = {0}}};
-  _Alignas(64) int valid[PACKET];
   rtcInitIntersectArguments(&arguments);
   arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-  memset(packet.ray.mask, 0xff, sizeof packet.ray.mask);
-  for (size_t begin = 0; begin < count; begin += PACKET) {
-    pack(a, ray, kinds, begin, count, &packet.ray, valid);
-    memset(packet.hit.geomID, 0xff, sizeof packet.hit.geomID); /* ACCEL_MISS */
-    memset(packet.hit.instID, 0xff, sizeof packet.hit.instID);
-    embree.rtcIntersect16(valid, a->scene, &packet, &arguments);
-#define LANES_OF(lanes, of) memcpy((lanes) + begin, packet.of, sizeof packet.of)
-    LANES_OF(ray->tfar, ray.tfar);
-    LANES_OF(hit->g.x, hit.Ng_x);
-    LANES_OF(hit->g.y, hit.Ng_y);
-    LANES_OF(hit->g.z, hit.Ng_z);
-    LANES_OF(hit->u, hit.u);
-    LANES_OF(hit->v, hit.v);
-    LANES_OF(hit->primitive, hit.primID);
-    LANES_OF(hit->geometry, hit.geomID);
-    if (a->instances)
-      LANES_OF(hit->instance, hit.instID[0]);
-#undef LANES_OF
-  }
+  (coherent ? intersect_16 : intersect_8)(a, count, kinds, &arguments, ray, hit);
 }
 #else
 static struct RTCRayNp ray_arrays(const accel *a, rays *ray, const uint32_t *kinds) {
@@ -429,34 +429,75 @@ void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t
         hit->instance[i] == RTC_INVALID_GEOMETRY_ID ? 0 : hit->instance[i] - ACCEL_INSTANCES + 1;
 }
 
+#if RTC_VERSION_MAJOR >= 4
+enum { PACKET = 8 };
+typedef struct RTCRay8 ray_packet;
+#else
+enum { PACKET = 16 };
+typedef struct RTCRay16 ray_packet;
+#endif
+
 /* Never said to be coherent: some rays then made Embree 3.13 go round for ever
  * (tests/test_native_shadow.py has them). */
-void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
-  struct RTCRay16 packet = {.time = {0}};
+static void occlude_packet(const accel *a, ray_packet *packet, size_t count) {
   _Alignas(64) int valid[PACKET];
+  for (size_t k = 0; k < PACKET; k++)
+    valid[k] = k < count ? -1 : 0;
 #if RTC_VERSION_MAJOR >= 4
-  (void)coherent;
   struct RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
   arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  embree.rtcOccluded8(valid, a->scene, packet, &arguments);
 #else
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  embree.rtcOccluded16(valid, a->scene, &context, packet);
+#endif
+}
+
+/* Packets full of rays that have a length: many shadow rays have none. */
+static void occlude_packets(const accel *a, size_t count, rays *ray) {
+  ray_packet packet = {.time = {0}};
+  size_t lane[PACKET], used = 0;
+  memset(packet.mask, 0xff, sizeof packet.mask);
+  for (size_t i = 0; i < count; i++) {
+    if (ray->tfar[i] >= ray->tnear[i]) {
+      packet.org_x[used] = ray->o.x[i];
+      packet.org_y[used] = ray->o.y[i];
+      packet.org_z[used] = ray->o.z[i];
+      packet.tnear[used] = ray->tnear[i];
+      packet.dir_x[used] = ray->d.x[i];
+      packet.dir_y[used] = ray->d.y[i];
+      packet.dir_z[used] = ray->d.z[i];
+      packet.tfar[used] = ray->tfar[i];
+      if (a->timed)
+        packet.time[used] = ray->time[i];
+      if (a->veiled)
+        packet.mask[used] = a->shadow[i];
+      lane[used++] = i;
+    }
+    if (used < PACKET && i + 1 < count)
+      continue;
+    occlude_packet(a, &packet, used);
+    for (size_t k = 0; k < used; k++)
+      ray->tfar[lane[k]] = packet.tfar[k];
+    used = 0;
+  }
+}
+
+void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
+#if RTC_VERSION_MAJOR >= 4
+  (void)coherent;
+#else
   if (!coherent) {
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     struct RTCRayNp all = ray_arrays(a, ray, a->shadow);
     embree.rtcOccludedNp(a->scene, &context, &all, (unsigned)count);
     return;
   }
 #endif
-  memset(packet.mask, 0xff, sizeof packet.mask);
-  for (size_t begin = 0; begin < count; begin += PACKET) {
-    pack(a, ray, a->shadow, begin, count, &packet, valid);
-#if RTC_VERSION_MAJOR >= 4
-    embree.rtcOccluded16(valid, a->scene, &packet, &arguments);
-#else
-    embree.rtcOccluded16(valid, a->scene, &context, &packet);
-#endif
-    memcpy(ray->tfar + begin, packet.tfar, sizeof packet.tfar);
-  }
+  occlude_packets(a, count, ray);
 }
