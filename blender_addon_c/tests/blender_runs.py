@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs of Blender 3.4 (the system's) and 5.0 (PyPI's bpy) with the add-on installed from the zip,
-and what they write."""
+"""Runs of Blenders with the add-on installed from the zip, and what they write.
 
+Old is the system's, new PyPI's bpy for its Python: 3.4 and 5.0 on Debian 12, 4.3 and 5.2 on Debian 13. Others go by their version.
+"""
+
+import functools
 import json
 import os
 import re
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -17,23 +21,70 @@ ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build"
 ZIP = BUILD / "libshade-blender.zip"
 BPY = BUILD / "venv-bpy/bin/python"
+DEBIAN13 = BUILD / "debian13"  # a system to change root into: setup/debian13.sh
 INSIDE = Path(__file__).resolve().parent / "inside"
+
+# Paths are the same inside. The mounts go with their namespace.
+IN_DEBIAN13 = """root=$1 places=$2
+shift 2
+mount -t proc proc "$root/proc"
+mount -t tmpfs shm "$root/dev/shm"
+printf '%s' "$places" | while IFS= read -r place; do
+  mkdir -p "$root$place"
+  mount --bind "$place" "$root$place"
+done
+exec chroot "$root" "$@"
+"""
+
+
+class Missing(Exception):
+    """A Blender that is not on this machine."""
+
+
+@functools.cache
+def _system_version():
+    program = shutil.which("blender")
+    said = program and subprocess.run([program, "--version"], capture_output=True, text=True, check=False).stdout
+    found = re.match(r"Blender (\d+\.\d+)", said or "")
+    return found and found[1]
+
+
+def _bpy_version(venv):
+    return next((folder.name for folder in venv.glob("lib/python3*/site-packages/bpy/[0-9]*")), None)
+
+
+def find(which):
+    """(version, words that start it, the system it is in) of "old", "new" or of a version."""
+    if _system_version() and which in ("old", _system_version()):
+        return _system_version(), [shutil.which("blender"), "-b", "--factory-startup", "--python-exit-code", "3", "-P"], None
+    environments = [BPY.parents[1]]
+    if which != "new":
+        environments += [*BUILD.glob("venv-bpy-*"), *DEBIAN13.glob("opt/bpy-*")]
+    for environment in environments:
+        version = _bpy_version(environment)
+        if version and which in ("new", version):
+            if DEBIAN13 not in environment.parents:
+                return version, [str(environment / "bin/python")], None
+            if os.geteuid():
+                raise Missing(f"Blender {which} is in {DEBIAN13}: needs root (chroot, mount)")
+            return version, [f"/{environment.relative_to(DEBIAN13)}/bin/python"], DEBIAN13.resolve()
+    raise Missing(f"Blender {which} is not here: {DEBIAN13} has some, where setup/debian13.sh could make it")
 
 
 class Blender:
     """One version of Blender with a home of its own."""
 
-    def __init__(self, version, home, zip_file=ZIP):
-        self.version = version
+    def __init__(self, which, home, zip_file=ZIP):
+        self.version, self._command, system = find(which)
         self._env = {name: value for name, value in os.environ.items()
                      if not name.startswith(("LIBSHADE_", "BLENDER_", "PYTHON"))}
-        if version == "3.4":
-            self._command = [shutil.which("blender") or "blender", "-b", "--factory-startup",
-                             "--python-exit-code", "3", "-P"]
-            self._env["LIBSHADE_MODULE"] = "libshade"
-        else:
-            self._command = [str(BPY)]
-            self._env["LIBSHADE_MODULE"] = "bl_ext.user_default.libshade"
+        self.module = "libshade" if self.version < "4.2" else "bl_ext.user_default.libshade"
+        self._env["LIBSHADE_MODULE"] = self.module
+        if system:
+            places = sorted({ROOT, Path(tempfile.gettempdir()).resolve(), home.resolve().parent})  # what holds others first
+            self._command = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "sh", "-ec", IN_DEBIAN13, "sh",
+                             str(system), "".join(f"{place}\n" for place in places), *self._command]
+            self._env["HOME"] = str(home)
         for what in ("config", "scripts", "extensions"):
             (home / what).mkdir(parents=True)
             self._env[f"BLENDER_USER_{what.upper()}"] = str(home / what)
@@ -129,8 +180,8 @@ def by_turns(name, cases, of_versions=lambda case: False):
     """A parametrization by Blender and `name`, or names: each case in one of them, which run the same renderer; in both those that an export
     makes for each version in its own way. `make soak` asks all of both."""
     both = "BOTH" in os.environ
-    pairs = [(version, *(case if isinstance(case, tuple) else (case,))) for version in ("34", "50") for turn, case in enumerate(cases)
-             if both or of_versions(case) or turn % 2 == (version == "50")]
+    pairs = [(version, *(case if isinstance(case, tuple) else (case,))) for version in ("old", "new") for turn, case in enumerate(cases)
+             if both or of_versions(case) or turn % 2 == (version == "new")]
     return pytest.mark.parametrize(f"blender, {name}", pairs, indirect=["blender"])
 
 

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender in both versions, for all tests of the add-on.
+"""Blenders, for all tests of the add-on.
 
 Needs `make blender` and build/venv-bpy; both come with `make check`.
 """
 
 import pytest
 
-from blender_runs import ROOT, ZIP, Blender
+from blender_runs import ROOT, ZIP, Blender, Missing
 
 
 class _PlainFolder:
@@ -23,23 +23,33 @@ def pytest_configure(config):
     config.pluginmanager.register(_PlainFolder())
 
 
-def _blender(version, factory):
+def _blender(which, factory):
     assert ZIP.exists(), f"{ZIP} is missing: run `make blender`"
-    blender = Blender(version, factory.mktemp("blender" + version))
+    blender = Blender(which, factory.mktemp("blender_" + which))
     yield blender
     blender.close()
 
 
 @pytest.fixture(scope="session")
-def blender34(tmp_path_factory):
-    yield from _blender("3.4", tmp_path_factory)
+def blender_old(tmp_path_factory):
+    """The system's own."""
+    yield from _blender("old", tmp_path_factory)
 
 
 @pytest.fixture(scope="session")
-def blender50(tmp_path_factory):
-    yield from _blender("5.0", tmp_path_factory)
+def blender_new(tmp_path_factory):
+    """PyPI's bpy."""
+    yield from _blender("new", tmp_path_factory)
 
 
-@pytest.fixture(scope="session", params=["34", "50"])
+@pytest.fixture(scope="session")
+def blender52(tmp_path_factory):
+    try:
+        yield from _blender("5.2", tmp_path_factory)
+    except Missing as missing:
+        pytest.skip(str(missing))
+
+
+@pytest.fixture(scope="session", params=["old", "new"])
 def blender(request):
-    return request.getfixturevalue("blender" + request.param)
+    return request.getfixturevalue("blender_" + request.param)

@@ -20,8 +20,8 @@ def test_what_is_brought_looks_as_in_cycles(blender, tmp_path, name):
     compare(blender, tmp_path, name)
 
 
-def test_attributes_of_instances_that_nodes_made(blender50, tmp_path):
-    compare(blender50, tmp_path, "nodes_tell")
+def test_attributes_of_instances_that_nodes_made(blender_new, tmp_path):
+    compare(blender_new, tmp_path, "nodes_tell")
 
 
 def compare(blender, tmp_path, name):

@@ -65,6 +65,6 @@ def test_strands(blender, tmp_path, what):
     assert orange[1] > 1 and abs(orange[0] / orange[1] - 1) < 0.08 and apart < 0.02
 
 
-def test_strands_of_no_numbers(blender50, tmp_path):
-    blender50.scene("hairy", tmp_path, dump="", engine="LIBSHADE", samples=4, what="curves", broken=True)
+def test_strands_of_no_numbers(blender_new, tmp_path):
+    blender_new.scene("hairy", tmp_path, dump="", engine="LIBSHADE", samples=4, what="curves", broken=True)
     assert np.isfinite(rgba(tmp_path / "picture.exr")).all()

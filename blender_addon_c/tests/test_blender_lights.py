@@ -181,11 +181,11 @@ def test_a_world_alone(blender, tmp_path):
     np.testing.assert_allclose(ours, theirs, rtol=0.05, atol=0.02)
 
 
-def linked_apart(blender50, folder, samples, **scene):
+def linked_apart(blender_new, folder, samples, **scene):
     """By how much our picture of linked lights is apart from Cycles', over its mean."""
     pictures = []
     for engine in "LIBSHADE", "CYCLES":
-        _, text = blender50.scene("linked", folder, dump="", engine=engine, samples=samples, **scene)
+        _, text = blender_new.scene("linked", folder, dump="", engine=engine, samples=samples, **scene)
         assert "linking" not in text
         pictures.append(averaged(folder / "picture.exr"))
     ours, theirs = pictures
@@ -196,19 +196,19 @@ def linked_apart(blender50, folder, samples, **scene):
 
 @pytest.mark.parametrize("more, radius", [(0, 0.0), (4, 0.5)])
 @pytest.mark.parametrize("shades", [False, True])
-def test_lights_for_some_objects(blender50, tmp_path, more, radius, shades):
+def test_lights_for_some_objects(blender_new, tmp_path, more, radius, shades):
     """All lamps at the first surface, and one of many, soft ones; or which objects shade them."""
-    assert linked_apart(blender50, tmp_path, 192, more=more, radius=radius, shades=shades) < 0.012
+    assert linked_apart(blender_new, tmp_path, 192, more=more, radius=radius, shades=shades) < 0.012
 
 
 @pytest.mark.parametrize("shades, shines, samples", [(False, "evenly", 256), (True, "evenly", 256), (False, "unevenly", 384)])
-def test_plates_that_shine_for_some_objects(blender50, tmp_path, shades, shines, samples):
+def test_plates_that_shine_for_some_objects(blender_new, tmp_path, shades, shines, samples):
     """Or that some shade; beside a lamp for all, seen in a polished ball, too."""
-    assert linked_apart(blender50, tmp_path, samples, more=0, radius=0.5, shades=shades, shines=shines) < 0.02
+    assert linked_apart(blender_new, tmp_path, samples, more=0, radius=0.5, shades=shades, shines=shines) < 0.02
 
 
-def test_uneven_light_that_some_shade_is_named(blender50, tmp_path):
-    _, text = blender50.scene("linked", tmp_path, dump="", engine="LIBSHADE", samples=1, more=0, radius=0.5, shades=True,
+def test_uneven_light_that_some_shade_is_named(blender_new, tmp_path):
+    _, text = blender_new.scene("linked", tmp_path, dump="", engine="LIBSHADE", samples=1, more=0, radius=0.5, shades=True,
                               shines="unevenly")
     assert text.count("shadow linking of what shines unevenly") == 2
 

@@ -94,11 +94,11 @@ def test_directions(blender, tmp_path, kind):
     assert np.abs(ours - theirs)[~outside].max() < (0.01 if kind == "MIRRORBALL" else 2e-3)
 
 
-def test_depth_of_field(blender50, tmp_path):
+def test_depth_of_field(blender_new, tmp_path):
     """A lens of three blades and ratio 2, and what moves meanwhile."""
     pictures = []
     for engine, samples in ("LIBSHADE", 128), ("CYCLES", 192):
-        blender50.scene("moving", tmp_path, dump="", engine=engine, samples=samples, what=["moving_object"],
+        blender_new.scene("moving", tmp_path, dump="", engine=engine, samples=samples, what=["moving_object"],
                         panorama={"panorama_type": "EQUIRECTANGULAR", "longitude_min": -1.0, "longitude_max": 1.0,
                                   "latitude_min": -0.9, "latitude_max": 0.5},
                         lens={"aperture_fstop": 0.1, "aperture_blades": 3, "aperture_ratio": 2.0,
@@ -110,11 +110,11 @@ def test_depth_of_field(blender50, tmp_path):
     assert theirs.mean() > 0.05 and apart < 0.01
 
 
-def test_a_lens_of_another_width_than_height(blender50, tmp_path):
+def test_a_lens_of_another_width_than_height(blender_new, tmp_path):
     """Ratio 4: all that is out of focus is blurred up and down, as in Cycles, and hardly to the sides."""
     pictures = []
     for engine, samples in ("LIBSHADE", 256), ("CYCLES", 256):
-        blender50.scene("moving", tmp_path, dump="", engine=engine, samples=samples, what=["moving_object"], blur=False,
+        blender_new.scene("moving", tmp_path, dump="", engine=engine, samples=samples, what=["moving_object"], blur=False,
                         lens={"aperture_fstop": 0.05, "aperture_ratio": 4.0, "focus_distance": 2.0})
         pictures.append(averaged(tmp_path / "picture.exr"))
     ours, theirs = pictures

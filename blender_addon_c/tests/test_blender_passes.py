@@ -146,10 +146,10 @@ def test_passes_are_those_of_cycles(blender, tmp_path):
     assert not far, '\n'.join(map(str, far))
 
 
-def test_denoise_node(blender50, tmp_path):
+def test_denoise_node(blender_new, tmp_path):
     """Blender's own node on our passes, and the picture as it was beside the one that is denoised."""
     def picture(samples, **options):
-        blender50.scene("first_minute", tmp_path, dump="", engine="LIBSHADE", floor=True, samples=samples,
+        blender_new.scene("first_minute", tmp_path, dump="", engine="LIBSHADE", floor=True, samples=samples,
                         **options)
         names, pixels = read_picture(tmp_path / "picture.exr")
         return names, pixels[..., :3].astype(float)
@@ -164,8 +164,8 @@ def test_denoise_node(blender50, tmp_path):
     assert ((kept["Combined"] - many) ** 2 / (many**2 + 1e-3)).mean() < before / 4
 
 
-def test_cryptomatte_node(blender50, tmp_path):
-    blender50.scene("picked", tmp_path, dump="", who="right")
+def test_cryptomatte_node(blender_new, tmp_path):
+    blender_new.scene("picked", tmp_path, dump="", who="right")
     matte = read_picture(tmp_path / "picture.exr")[1][..., 0]
     assert (matte[4:12, :8] == 0).all() and (matte[4:12, 8:] == 1).all() and (matte[:4] == 0).all()
 

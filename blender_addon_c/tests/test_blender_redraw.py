@@ -6,9 +6,9 @@ import re
 COST = 5.2
 
 
-def test_edits_show(blender50, tmp_path):
+def test_edits_show(blender_new, tmp_path):
     """Each of them, and as in a scene that was made so."""
-    told = blender50.run("redraw.py", tmp_path)
+    told = blender_new.run("redraw.py", tmp_path)
     seen = re.findall(r"^EDIT (\w+) (view|render) (\S+) (\S+)$", told, re.M)
     assert "\nDONE" in told and len(seen) >= 50, told[-3000:]
     for edit, where, changed, wrong in seen:

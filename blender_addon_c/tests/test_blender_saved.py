@@ -19,8 +19,8 @@ NAMES = ["pan", "table"] + (["bolts", "cloth", "dial", "groove", "jacket", "scra
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_an_example_is_rendered_as_in_blender(blender34, tmp_path, name):
-    blender34.run("saved.py", tmp_path, EXAMPLES / name / "make_scene.py", tmp_path / ("x.blend" if name == "suzanne" else "x.png"))
+def test_an_example_is_rendered_as_in_blender(blender_old, tmp_path, name):
+    blender_old.run("saved.py", tmp_path, EXAMPLES / name / "make_scene.py", tmp_path / ("x.blend" if name == "suzanne" else "x.png"))
     path = tmp_path / "saved.shscene"
     (header, arrays), (asked, others) = (parts_of(tmp_path / f"{name}.shscene") for name in ("saved", "operator"))
     assert header["pictures"] == asked["pictures"] and len(arrays) == len(others)
@@ -35,21 +35,21 @@ def test_an_example_is_rendered_as_in_blender(blender34, tmp_path, name):
         assert_same(tile, {name: np.ascontiguousarray(pixels[y:y + height, x:x + width]) for name, pixels in whole.items()})
 
 
-def test_each_view_layer_has_a_file(blender50, tmp_path):
-    told, _ = blender50.scene("passes", tmp_path, {"LIBSHADE_SCENE": str(tmp_path / "s.shscene")}, dump="", passes=WANTED)
+def test_each_view_layer_has_a_file(blender_new, tmp_path):
+    told, _ = blender_new.scene("passes", tmp_path, {"LIBSHADE_SCENE": str(tmp_path / "s.shscene")}, dump="", passes=WANTED)
     found = [made(tmp_path, tmp_path / f"s-{layer}.shscene") for layer in told["layers"]]
     whole = channels(tmp_path / "picture.exr")
     assert_same(found[0] | found[1], {name: pixels for name, pixels in whole.items() if not name.startswith("Composite")})
 
 
-def test_where_none_can_be_saved_is_said(blender34, tmp_path):
-    text = blender34.run("saved.py", tmp_path / "missing", EXAMPLES / "table/make_scene.py", tmp_path / "x.png", status=3)
+def test_where_none_can_be_saved_is_said(blender_old, tmp_path):
+    text = blender_old.run("saved.py", tmp_path / "missing", EXAMPLES / "table/make_scene.py", tmp_path / "x.png", status=3)
     assert "the scene cannot be saved" in text and "missing" in text
 
 
-def test_shadow_catchers_are_refused(blender50, tmp_path):
+def test_shadow_catchers_are_refused(blender_new, tmp_path):
     """They are composed of several pictures."""
-    text = blender50.run("scenes.py", env={"LIBSHADE_SCENE": str(tmp_path / "s.shscene")}, status=None, stdin=json.dumps(
+    text = blender_new.run("scenes.py", env={"LIBSHADE_SCENE": str(tmp_path / "s.shscene")}, status=None, stdin=json.dumps(
         {"name": "caught", "dump": "", "options": {"picture": str(tmp_path / "picture.exr"), "samples": 1, "transparent": True,
                                                    "apart": False, "engine": "LIBSHADE"}}) + "\n")
     assert "a scene with shadow catchers cannot be saved" in text and not list(tmp_path.glob("s*"))

@@ -73,8 +73,8 @@ class Window:
 
 
 @pytest.fixture
-def window(request, blender34, tmp_path):
-    window = Window(blender34, tmp_path, SCREENSHOT, *getattr(request, "param", ()))
+def window(request, blender_old, tmp_path):
+    window = Window(blender_old, tmp_path, SCREENSHOT, *getattr(request, "param", ()))
     yield window
     window.close()
 
@@ -130,9 +130,9 @@ def test_viewport_says_what_is_wrong(window):
 
 
 @pytest.fixture(scope="module")
-def shared(blender34, tmp_path_factory):
+def shared(blender_old, tmp_path_factory):
     """A window for tests that leave the scene as it is."""
-    window = Window(blender34, tmp_path_factory.mktemp("window"), SCREENSHOT.with_name("shared.png"))
+    window = Window(blender_old, tmp_path_factory.mktemp("window"), SCREENSHOT.with_name("shared.png"))
     window.wait("ready 0")
     yield window
     window.close()
@@ -234,8 +234,8 @@ def test_viewport_while_it_is_edited(window):
 
 
 @pytest.fixture
-def counted(blender34, tmp_path):
-    window = Window(blender34, tmp_path, None, script="drawn.py")
+def counted(blender_old, tmp_path):
+    window = Window(blender_old, tmp_path, None, script="drawn.py")
     yield window
     window.close()
 

@@ -74,37 +74,37 @@ def test_one_version():
 
 
 @pytest.fixture(scope="module")
-def blend(blender34, tmp_path_factory):
+def blend(blender_old, tmp_path_factory):
     """(file, picture from 3.4, dump from 3.4)"""
     folder = tmp_path_factory.mktemp("suzanne")
-    blender34.scene("suzanne", folder, save=str(folder / "suzanne.blend"))
+    blender_old.scene("suzanne", folder, save=str(folder / "suzanne.blend"))
     return folder / "suzanne.blend", rgba(folder / "picture.exr"), Dump(folder / "dump.exr")
 
 
 @pytest.fixture(scope="module")
-def plain50(blender50, blend, tmp_path_factory):
+def plain_new(blender_new, blend, tmp_path_factory):
     """The same from 5.0."""
-    folder = tmp_path_factory.mktemp("plain50")
-    blender50.scene("suzanne", folder, open=str(blend[0]))
+    folder = tmp_path_factory.mktemp("plain_new")
+    blender_new.scene("suzanne", folder, open=str(blend[0]))
     return rgba(folder / "picture.exr"), Dump(folder / "dump.exr")
 
 
-def test_same_picture_in_both_versions(blend, plain50):
+def test_same_picture_in_both_versions(blend, plain_new):
     _file, picture, _dump = blend
     assert picture[..., 3].mean() > 0.5 and picture[..., :3].max() > 1
-    error = difference(plain50[0], picture)
+    error = difference(plain_new[0], picture)
     print(f"3.4.1 against bpy 5.0.1: mean absolute difference over mean {error:.2e}")
     assert error <= 1e-3
 
 
-def assert_as_before(folder, plain50):
+def assert_as_before(folder, plain_new):
     picture, dump = rgba(folder / "picture.exr"), Dump(folder / "dump.exr")
     assert dump.hit.mean() > 0.5  # with a foreign Embree every ray misses
-    assert np.array_equal(dump["P"], plain50[1]["P"])
-    assert difference(picture, plain50[0]) < 1e-5
+    assert np.array_equal(dump["P"], plain_new[1]["P"])
+    assert difference(picture, plain_new[0]) < 1e-5
 
 
-def test_without_system_libraries(blender50, blend, plain50, tmp_path):
+def test_without_system_libraries(blender_new, blend, plain_new, tmp_path):
     """In a mount namespace of its own, where the system's copies are empty files.
 
     Debian's Blender itself is linked to them: only bpy, which brings its own, starts there.
@@ -115,33 +115,33 @@ def test_without_system_libraries(blender50, blend, plain50, tmp_path):
     enter = ["unshare", "--map-root-user", "--mount", "sh", "-ec", mounts + '; exec "$@"', "sh"]
     if subprocess.run([*enter, "true"], capture_output=True, check=False).returncode:
         pytest.skip("this machine lets nobody make a mount namespace")
-    blender50.run("check_symbols.py", "missing", *SYSTEM_LIBRARIES, prefix=enter)
-    blender50.scene("suzanne", tmp_path, prefix=enter, open=str(blend[0]))
-    assert_as_before(tmp_path, plain50)
+    blender_new.run("check_symbols.py", "missing", *SYSTEM_LIBRARIES, prefix=enter)
+    blender_new.scene("suzanne", tmp_path, prefix=enter, open=str(blend[0]))
+    assert_as_before(tmp_path, plain_new)
 
 
-def test_foreign_libraries_in_global_scope(blender50, blend, plain50, tmp_path):
+def test_foreign_libraries_in_global_scope(blender_new, blend, plain_new, tmp_path):
     """With Blender's own Embree 4 and OpenEXRCore before all others, as in official builds."""
     libraries = sorted(BPY.parents[1].glob("lib/python*/site-packages/bpy/lib/lib*.so*"))
     preload = [str(p) for p in libraries if p.name.startswith(("libembree4", "libOpenEXRCore"))]
     assert len(preload) == 2, "bpy has changed its libraries"
     env = {"LD_PRELOAD": ":".join(preload)}
-    blender50.run("check_symbols.py", "global", *SYMBOLS, env=env)
-    blender50.scene("suzanne", tmp_path, env=env, open=str(blend[0]))
-    assert_as_before(tmp_path, plain50)
+    blender_new.run("check_symbols.py", "global", *SYMBOLS, env=env)
+    blender_new.scene("suzanne", tmp_path, env=env, open=str(blend[0]))
+    assert_as_before(tmp_path, plain_new)
 
 
 @pytest.mark.parametrize("blind", [False, True])
-def test_command_line(blender34, blend, tmp_path, blind):
+def test_command_line(blender_old, blend, tmp_path, blind):
     """blender -b FILE -E LIBSHADE -f 1: a picture and status 0, or a message and status 1."""
     file = blend[0]
     if blind:
         file = tmp_path / "blind.blend"
-        blender34.scene("blind", tmp_path, save=str(file), dump="")
+        blender_old.scene("blind", tmp_path, save=str(file), dump="")
     done = subprocess.run(
         [shutil.which("blender"), "-b", "--factory-startup", "--addons", "libshade", file,
          "-E", "LIBSHADE", "-o", tmp_path / "frame_", "-F", "OPEN_EXR", "-f", "1"],
-        env=blender34.environment(), capture_output=True, text=True, timeout=300, check=False)
+        env=blender_old.environment(), capture_output=True, text=True, timeout=300, check=False)
     picture = tmp_path / "frame_0001.exr"
     if blind:
         assert done.returncode == 1 and not picture.exists()
@@ -151,8 +151,8 @@ def test_command_line(blender34, blend, tmp_path, blind):
         assert difference(rgba(picture), blend[1]) < 1e-3
 
 
-def test_update(blender34):
-    blender34.run("updated.py", ZIP)
+def test_update(blender_old):
+    blender_old.run("updated.py", ZIP)
 
 
 def test_nothing_is_left_behind(blender):
