@@ -48,18 +48,20 @@ run() { # description command … : quiet unless it fails
 version=$(sed -n 's/^version //p' "$here/UPSTREAM")
 verified() { (cd "$download" 2>/dev/null && sed -n '/^[0-9a-f]\{64\}  /p' "$here/UPSTREAM" | sha256sum --quiet -c - >/dev/null 2>&1); }
 
-# deb-src entries for this release, made from the system's deb entries (both
-# forms); the system's own lists stay as they are.
+# deb-src entries for UPSTREAM's release, made from the system's deb entries for its own
+# (both forms); the system's own lists stay as they are.
 source_entries() {
-  local codename file
+  local codename suite file
   codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
+  suite=$(sed -n 's/^suite //p' "$here/UPSTREAM")
   for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
-    [ -f "$file" ] && sed -nE "s/^[[:space:]]*deb[[:space:]]+((\[[^]]*\][[:space:]]+)?[^[:space:]]+[[:space:]]+$codename[[:space:]].*)/deb-src \1/p" "$file"
+    [ -f "$file" ] && sed -nE "s/^[[:space:]]*deb[[:space:]]+((\[[^]]*\][[:space:]]+)?[^[:space:]]+[[:space:]]+$codename[[:space:]].*)/deb-src \1/p" "$file" | sed -E "s/([[:space:]])$codename([[:space:]])/\1$suite\2/"
   done >"$out/apt/debian.list" || true
   for file in /etc/apt/sources.list.d/*.sources; do
-    [ -f "$file" ] && awk -v codename="$codename" 'BEGIN { RS = ""; ORS = "\n\n" }
+    [ -f "$file" ] && awk -v codename="$codename" -v suite="$suite" 'BEGIN { RS = ""; ORS = "\n\n" }
       ("\n" $0 "\n") ~ "\nSuites:([^\n]*[ \t])?" codename "[ \t\n]" && ("\n" $0) ~ /\nTypes:[^\n]*deb/ && !(("\n" $0) ~ /\nEnabled:[ \t]*no/) {
-        $0 = "\n" $0; sub(/\nTypes:[^\n]*/, "\nTypes: deb-src"); print substr($0, 2) }' "$file"
+        $0 = "\n" $0; sub(/\nTypes:[^\n]*/, "\nTypes: deb-src")
+        sub(/\nSuites:[^\n]*/, "\nSuites: " suite); print substr($0, 2) }' "$file"
   done >"$out/apt/debian.sources" || true
   cat "$out"/apt/debian.list "$out"/apt/debian.sources | grep -q . ||
     die "no entry for Debian $codename in /etc/apt/sources.list or /etc/apt/sources.list.d: where is the source to come from?"

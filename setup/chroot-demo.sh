@@ -1,32 +1,35 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Run make targets as on a machine that has nothing yet: a minimal Debian 12 (debootstrap, variant
-# minbase) with only `make` added, and a fresh clone of HEAD in it. Needs root and debootstrap.
-#   setup/chroot-demo.sh                    make demo
-#   setup/chroot-demo.sh blender povray     these targets instead
-#   KEEP=1 setup/chroot-demo.sh ...         leave the system in build/chroot to look at
+# Run make targets as on a machine that has nothing yet: a minimal Debian 12 or 13 (debootstrap, variant minbase) with
+# only `make` added, and a fresh clone of HEAD in it. Needs root and debootstrap.
+#   setup/chroot-demo.sh bookworm                   make demo
+#   setup/chroot-demo.sh trixie blender povray      these targets instead
+#   KEEP=1 setup/chroot-demo.sh ...                 leave the system in build/chroot-trixie to look at
 set -euo pipefail
 cd "$(dirname "$0")/.."
-case ${1:-} in -h | --help) sed -n '3,7s/^# \?//p' "$0"; exit 0 ;; esac
+case ${1:-} in
+bookworm | trixie) suite=$1 && shift ;;
+*) sed -n '3,7s/^# \?//p' "$0"; [[ ${1:-} =~ ^(-h|--help)$ ]] && exit 0 || exit 2 ;;
+esac
 [ $# -gt 0 ] || set -- demo
 [ "$(id -u)" -eq 0 ] || { echo "$0: needs root (chroot, mount)" >&2; exit 1; }
 command -v debootstrap >/dev/null || { echo "$0: needs debootstrap: apt-get install debootstrap" >&2; exit 1; }
 
-root=$PWD/build/chroot
+root=$PWD/build/chroot-$suite
 # mounts live in a namespace of their own and go with it: there is nothing to unmount afterwards
 remove() { rm -rf --one-file-system "$root"; }
 [ "${KEEP:-}" ] || trap remove EXIT
 remove
 mkdir -p "$root"
 
-# the mirrors that this system uses itself: lines "URI release component..."
+# the mirrors that this system uses itself: lines "URI release component...", of either Debian
 sources=$(apt-get indextargets --format '$(SITE) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' |
-  awk '$2 ~ /^bookworm/ && $3 == "main"' | sort -u)
-[ "$sources" ] || sources='http://deb.debian.org/debian bookworm main'
-mirror=$(awk '$2 == "bookworm" { print $1; exit }' <<<"$sources")
+  awk '$2 ~ /^(bookworm|trixie)/ && $3 == "main"' | sed -E "s/ (bookworm|trixie)/ $suite/" | sort -u)
+[ "$sources" ] || sources="http://deb.debian.org/debian $suite main"
+mirror=$(awk -v suite="$suite" '$2 == suite { print $1; exit }' <<<"$sources")
 
-echo "chroot: debootstrap of Debian 12 (minbase)"
-debootstrap --variant=minbase bookworm "$root" "$mirror" >"$root.log" 2>&1 ||
+echo "chroot: debootstrap of Debian's $suite (minbase)"
+debootstrap --variant=minbase "$suite" "$root" "$mirror" >"$root.log" 2>&1 ||
   { tail -n 20 "$root.log" >&2; exit 1; }
 sed 's/^/deb /' <<<"$sources" >"$root/etc/apt/sources.list"
 

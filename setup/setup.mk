@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # What must be on the system: Debian packages and, in build/, Python environments with pinned packages.
 #   make setup-build setup-blender setup-povray setup-package setup-demo setup-test setup-peers setup-release
-# Debian's own Python (3.11), since bpy's wheels are made for one version.
+# The system's own Python, once it is there. Wheels of bpy are each for one version of it: 3.11 on Debian 12, 3.13 on 13
 PYTHON3 := /usr/bin/python3
+PYTHON_VERSION = $(shell $(PYTHON3) -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+BPY_OF_3.11 := 5.0
+BPY_OF_3.13 := 5.2
+BPY_OF_IT = $(or $(BPY_OF_$(PYTHON_VERSION)),$(error PyPI has no bpy for Python $(PYTHON_VERSION)))
 VENV := $(B)/venv
 VENV_BPY := $(B)/venv-bpy
 VENV_PEERS := $(B)/venv-peers
@@ -64,15 +68,17 @@ $(S)/test.stamp: $(VENV)/done $(VENV_BPY)/done
 $(S)/peers.stamp: $(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done
 $(S)/release.stamp: $(VENV_RELEASE)/done $(RELEASE_SOURCES)/done
 
+PINS = $<
 $(VENV)/done: setup/requirements.txt
-$(VENV_BPY)/done: setup/requirements-bpy.txt
+$(VENV_BPY)/done: $(wildcard setup/requirements-bpy-*.txt)
+$(VENV_BPY)/done: PINS = setup/requirements-bpy-$(BPY_OF_IT).txt
 $(VENV_PEERS)/done: setup/requirements-peers.txt
 $(VENV_RELEASE)/done: setup/requirements-release.txt
 $(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done $(VENV_RELEASE)/done: | $(S)/demo.packages
-	@echo "setup: Python packages of $< into $(@D)"
+	@echo "setup: Python packages of $(PINS) into $(@D)"
 	@rm -rf $(@D)
 	@$(PYTHON3) -m venv $(@D)
-	@$(@D)/bin/pip --disable-pip-version-check install --quiet --retries 5 -r $<
+	@$(@D)/bin/pip --disable-pip-version-check install --quiet --retries 5 -r $(PINS)
 	@touch $@
 
 $(RELEASE_SOURCES)/done: setup/release-sources.sh | $(S)/release.packages

@@ -28,13 +28,14 @@ INSIDE = Path(__file__).resolve().parent / "inside"
 IN_DEBIAN13 = """root=$1 places=$2
 shift 2
 mount -t proc proc "$root/proc"
-mount -t tmpfs shm "$root/dev/shm"
+mount --rbind /dev "$root/dev"
 printf '%s' "$places" | while IFS= read -r place; do
   mkdir -p "$root$place"
   mount --bind "$place" "$root$place"
 done
 exec chroot "$root" "$@"
 """
+NAMESPACE = ["unshare", *(["--map-root-user"] if os.geteuid() else []), "--mount", "--pid", "--fork", "--kill-child"]
 
 
 class Missing(Exception):
@@ -65,8 +66,8 @@ def find(which):
         if version and which in ("new", version):
             if DEBIAN13 not in environment.parents:
                 return version, [str(environment / "bin/python")], None
-            if os.geteuid():
-                raise Missing(f"Blender {which} is in {DEBIAN13}: needs root (chroot, mount)")
+            if subprocess.run([*NAMESPACE, "true"], capture_output=True, check=False).returncode:
+                raise Missing(f"Blender {which} is in {DEBIAN13}: this machine lets nobody make a mount namespace")
             return version, [f"/{environment.relative_to(DEBIAN13)}/bin/python"], DEBIAN13.resolve()
     raise Missing(f"Blender {which} is not here: {DEBIAN13} has some, where setup/debian13.sh could make it")
 
@@ -82,7 +83,7 @@ class Blender:
         self._env["LIBSHADE_MODULE"] = self.module
         if system:
             places = sorted({ROOT, Path(tempfile.gettempdir()).resolve(), home.resolve().parent})  # what holds others first
-            self._command = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "sh", "-ec", IN_DEBIAN13, "sh",
+            self._command = [*NAMESPACE, "sh", "-ec", IN_DEBIAN13, "sh",
                              str(system), "".join(f"{place}\n" for place in places), *self._command]
             self._env["HOME"] = str(home)
         for what in ("config", "scripts", "extensions"):
