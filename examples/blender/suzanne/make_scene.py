@@ -28,8 +28,7 @@ def save_normal_map(path, normals):
     image = bpy.data.images.new("normals", size, size, float_buffer=True, is_data=True)
     image.pixels.foreach_set(pixels.ravel())
     scene = bpy.data.scenes.new("for saving")
-    scene.display_settings.display_device = "None"
-    scene.view_settings.view_transform = "Standard"
+    scene.view_settings.view_transform = "Raw"
     settings = scene.render.image_settings
     settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "16"
     image.save_render(path, scene=scene)
