@@ -85,7 +85,7 @@ class Blender:
             places = sorted({ROOT, Path(tempfile.gettempdir()).resolve(), home.resolve().parent})  # what holds others first
             self._command = [*NAMESPACE, "sh", "-ec", IN_DEBIAN13, "sh",
                              str(system), "".join(f"{place}\n" for place in places), *self._command]
-            self._env["HOME"] = str(home)
+            self._env |= {"HOME": str(home), "LC_ALL": "C.UTF-8"}
         for what in ("config", "scripts", "extensions"):
             (home / what).mkdir(parents=True)
             self._env[f"BLENDER_USER_{what.upper()}"] = str(home / what)
