@@ -137,7 +137,7 @@ def add_camera(place, target, lens):
 
 def build(folder):
     """Fill the empty file with the scene; textures go to folder/textures."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)  # add-ons stay as they are
     textures = os.path.join(folder, "textures")
     os.makedirs(textures, exist_ok=True)
     images = {}
