@@ -11,7 +11,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from blender_runs import BPY, BUILD, ROOT, Blender, Missing
+from blender_runs import BPY, BUILD, NAMESPACE, ROOT, Blender, Missing, rgba
 from shade_render import channels, made
 
 COST = 20  # in .ci/run, which makes a release; else 0.1: skipped
@@ -62,8 +62,8 @@ def test_only_the_module_itself_is_exported(unpacked):
     assert said("nm", "-D", "--defined-only", unpacked / "_native.abi3.so").split()[2::3] == ["PyInit__native"]
 
 
-def rendered(module, picture, **environment):
-    """What a module says of itself; the picture of one scene into a file."""
+def rendered(module, picture, prefix=(), **environment):
+    """What a module says of itself; the picture of one scene into a file. prefix: words before the command."""
     code = f"""
 import sys
 from native_scenes import MODULE, dump, native, render, scene
@@ -71,7 +71,7 @@ import numpy as np
 np.save({str(picture)!r}, render(scene())[0])
 dump(scene(), {str(picture) + ".exr"!r})
 print(native.isa(), str(MODULE) == {str(module)!r})"""
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT / "blender_addon_c/tests", text=True, capture_output=True,
+    done = subprocess.run([*prefix, sys.executable, "-c", code], cwd=ROOT / "blender_addon_c/tests", text=True, capture_output=True,
                           env=os.environ | environment | {"NATIVE_MODULE": str(module)}, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     isa, same = done.stdout.split()
@@ -99,17 +99,40 @@ def test_the_module_alone(unpacked, tmp_path, isa):
 
 
 @pytest.mark.parametrize("name", ["с пробелом и кириллицей", "場面 の フォルダ"])
-def test_folders_of_any_name_that_nobody_may_write(unpacked, tmp_path, name):
+def test_folders_of_any_name(unpacked, tmp_path, name):
     folder = tmp_path / name
     shutil.copytree(unpacked, folder)
-    for path in [*folder.rglob("*"), folder]:
-        path.chmod(0o555 if path.is_dir() else 0o444)
+    rendered(folder / "_native.abi3.so", tmp_path / "there.npy")
+
+
+def test_a_folder_that_nobody_may_write(unpacked, tmp_path):
+    """Mounted so: modes alone stop no administrator."""
+    script = 'mount --bind "$1" "$1"; mount -o remount,ro,bind "$1"; if touch "$1/file" 2>&-; then exit 1; fi; shift; exec "$@"'
+    prefix = [*NAMESPACE, "sh", "-ec", script, "sh", str(unpacked)]
+    if subprocess.run([*prefix, "true"], capture_output=True, check=False).returncode:
+        pytest.skip("this machine lets nobody make a mount namespace")
+    rendered(unpacked / "_native.abi3.so", tmp_path / "there.npy", prefix=prefix)
+
+
+def test_two_at_once_and_an_update_over_one_that_runs(tmp_path):
+    blender = Blender("new", tmp_path / "home", RELEASE)
+    file, pictures = str(tmp_path / "file.blend"), []
+
+    def render(name, env=None, **where):
+        (tmp_path / name).mkdir()
+        blender.scene("suzanne", tmp_path / name, env, dump="", **where)
+        pictures.append(rgba(tmp_path / name / "picture.exr"))
+
     try:
-        rendered(folder / "_native.abi3.so", tmp_path / "there.npy")
+        render("first", save=file)  # in the process that goes on
+        render("another", env={"ANOTHER": "process"}, open=file)
+        blender.run("install.py", RELEASE)
+        render("after", open=file)
     finally:
-        for path in [folder, *folder.rglob("*")]:
-            if path.is_dir():
-                path.chmod(0o755)
+        blender.close()
+    assert pictures[0][..., :3].std() > .05
+    for picture in pictures[1:]:
+        assert np.array_equal(picture, pictures[0])
 
 
 def test_blender_finds_it_valid():
