@@ -181,7 +181,7 @@ def _tangent(tree, new, given):
         ("Tangent", -300, _ROUND), ("VectorTransform", -500, _AXIS), ("UVMap", -700, _MAP)))
     round_.direction_type = "UV_MAP"
     axis.vector_type, axis.convert_from, axis.convert_to = "VECTOR", "OBJECT", "WORLD"
-    axis.inputs[0].default_value = axis_vector("X")
+    axis.inputs["Vector"].default_value = axis_vector("X")
     # without a map Cycles' own tangents run round the object, ours along its x axis
     return where(given, given, where(uv.outputs[0], round_.outputs[0], axis.outputs[0], -400, _MAPLESS), -100, _EITHER)
 
@@ -278,7 +278,7 @@ def _update_grain(inner, by):
     target = mixed(inner[_EITHER])["A_Vector"]
     if target.links[0].from_node != source:
         inner.id_data.links.new(mixed(source)["Result_Vector"] if source.name == _MAPLESS else source.outputs[0], target)
-    say(along.inputs[0], "default_value", axis_vector(axis if kind == "AXIS" else "X"))
+    say(along.inputs["Vector"], "default_value", axis_vector(axis if kind == "AXIS" else "X"))
     if kind == "RADIAL":
         say(round_, "direction_type", "RADIAL")
         say(round_, "axis", axis)
