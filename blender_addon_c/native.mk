@@ -53,6 +53,22 @@ soak: soak-damaged
 soak-damaged: $(RENDER) native-sanitized
 	@$(PY) blender_addon_c/tests/damaged.py --seeds 5000 --tool $(B)/sanitized/shade-render
 
+# `make fuzz`: a saved scene's reader and all that it fills, under sanitizers; the rest as it is
+FUZZ_SCENE := $(wildcard $(patsubst %,$(N)/%/*.c,closure light node scene)) $(N)/render/read.c
+FUZZ_SCENE_OBJ := $(filter-out $(NATIVE)/obj/tool/% $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(FUZZ_SCENE)) $(O)/tool/json.o,$(RENDER_OBJ))
+$(B)/fuzz/scene: blender_addon_c/tests/fuzz_scene.c $(wildcard blender_addon_c/tool/[!m]*.c) $(L)/tool/json.c $(FUZZ_SCENE) $(FUZZ_SCENE_OBJ)
+	@mkdir -p $(@D)
+	$(call say,compile  ,$@)
+	$(Q)$(FUZZ_CC) $(FUZZ_FLAGS) -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION -D_POSIX_C_SOURCE=200809L -I$(N) -Iblender_addon_c \
+	  $(NATIVE_WRAP) $^ $(EXR_LIBS) $(PNG_LIBS) -lz -pthread -ldl -lm -o $@
+fuzz: fuzz-scene
+.PHONY: fuzz-scene
+fuzz-scene: $(B)/fuzz/scene | $(VENV)/done
+	@mkdir -p $(B)/fuzz/scene-found $(B)/fuzz/scene-corpus
+	$(Q)$(PY) blender_addon_c/tests/damaged.py --corpus $(B)/fuzz/scene-corpus
+	$(B)/fuzz/scene -max_total_time=$(SECONDS) -max_len=65536 -timeout=20 -rss_limit_mb=4096 -artifact_prefix=$(B)/fuzz/ \
+	  -print_final_stats=1 $(B)/fuzz/scene-found $(B)/fuzz/scene-corpus
+
 # where the flags are: objects made by others are made again
 NATIVE_FLAGS_IN := blender_addon_c/native.mk libshade/libshade.mk
 $(NATIVE)/obj/python/%.o: NATIVE_FOR = $(NATIVE_PYTHON_CFLAGS)

@@ -39,7 +39,7 @@ NEEDS_check-povray-package := $(NEEDS_povray-package) test
 NEEDS_check-povray-scenes := build povray test
 NEEDS_lint := lint
 NEEDS_release := build blender release
-NEEDS_fuzz := build test
+NEEDS_fuzz := build blender test
 # what make must find when it starts; the rest is fetched and unpacked while these are compiled
 NEEDS_check := build blender
 NEEDS := $(sort $(foreach goal,$(MAKECMDGOALS),$(NEEDS_$(goal))))

@@ -7,6 +7,7 @@
 import argparse
 import concurrent.futures
 import copy
+import json
 import os
 import pathlib
 import random
@@ -109,6 +110,7 @@ def whole_files(folder):
         path = pathlib.Path(folder) / f"whole-{k}.shscene"
         scene_file.write(path, "L", pictures)
         files.append((path.read_bytes(), *parts_of(path)))
+        path.unlink()
     return files
 
 
@@ -146,7 +148,13 @@ def main():
     words.add_argument("--seeds", type=int, default=5000)
     words.add_argument("--first", type=int, default=0)
     words.add_argument("--tool", type=pathlib.Path, default=TOOL)
+    words.add_argument("--corpus", type=pathlib.Path, help="write whole scenes there as fuzz_scene.c takes them, and end")
     given = words.parse_args()
+    if given.corpus:
+        for k, (_data, header, arrays) in enumerate(whole_files(given.corpus)):
+            text, room = json.dumps(header).encode(), [array.tobytes() for array in arrays]
+            (given.corpus / f"whole-{k}").write_bytes(text + b"\0" + b"".join(data + bytes(-len(data) % 64) for data in room))
+        return
     folder = pathlib.Path(tempfile.mkdtemp(prefix="damaged-"))
     files, failed = whole_files(folder), 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:

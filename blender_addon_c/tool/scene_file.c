@@ -23,8 +23,14 @@ static size_t aligned(size_t size) {
   return (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 }
 
-static uint32_t checksum(const unsigned char *data, size_t size) {
-  return (uint32_t)crc32_z(0, data, size);
+/* A fuzzer would find no text with the right one. */
+static bool has_checksum(const unsigned char *data, size_t size, double sum) {
+#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+  (void)data, (void)size, (void)sum;
+  return true;
+#else
+  return sum == (double)crc32_z(0, data, size);
+#endif
 }
 
 static bool fail(scene_file *f, const char *why) {
@@ -56,7 +62,7 @@ static bool read_array(reader *r, void *out, void *context) {
     return reader_expected(r, "offset", "where the array before ends");
   array->data = f->array_data + *end;
   *end += size;
-  return sum == checksum(array->data, size) || reader_expected(r, "checksum", "that of the array");
+  return has_checksum(array->data, size, sum) || reader_expected(r, "checksum", "that of the array");
 }
 
 static bool read_pass(reader *r, void *out, void *context) {
@@ -114,7 +120,7 @@ bool scene_file_read(scene_file *f, const void *data, size_t size) {
   size_t length = words[0];
   if (length > size - PREAMBLE || (PREAMBLE + length) % ALIGNMENT)
     return fail(f, "its header must end in the file, at a multiple of 64");
-  if (words[1] != checksum(bytes + PREAMBLE, length))
+  if (!has_checksum(bytes + PREAMBLE, length, words[1]))
     return fail(f, "its header must have the checksum that is before it");
   f->array_data = bytes + PREAMBLE + length;
   f->array_bytes = size - PREAMBLE - length;
