@@ -21,7 +21,7 @@
 #if RTC_VERSION_MAJOR >= 4
 #define EMBREE_SYSTEM "libembree4.so.4"
 #define EMBREE_OF_VERSION(F)                                                                       \
-  F(rtcIntersect8) F(rtcIntersect16) F(rtcOccluded8) F(rtcSetGeometryMask)
+  F(rtcIntersect8) F(rtcIntersect16) F(rtcOccluded8) F(rtcOccluded16) F(rtcSetGeometryMask)
 #else
 #define EMBREE_SYSTEM "libembree3.so.3"
 #define EMBREE_OF_VERSION(F) F(rtcIntersectNp) F(rtcOccludedNp) F(rtcOccluded16)
@@ -333,9 +333,10 @@ void accel_free(accel *a) {
   free(a);
 }
 
+#define TO_PACKET(packet, of, lanes) memcpy((packet).of, (lanes) + begin, sizeof(packet).of)
+
 #if RTC_VERSION_MAJOR >= 4
-/* By packets of N: lanes have room for a whole last one. */
-#define TO_PACKET(of, lanes) memcpy(packet.ray.of, (lanes) + begin, sizeof packet.ray.of)
+/* By packets of N. */
 #define FROM_PACKET(lanes, of) memcpy((lanes) + begin, packet.of, sizeof packet.of)
 #define INTERSECT(N)                                                                               \
   static void intersect_##N(const accel *a, size_t count, const uint32_t *kinds,                   \
@@ -344,18 +345,18 @@ void accel_free(accel *a) {
     _Alignas(64) int valid[N];                                                                     \
     memset(packet.ray.mask, 0xff, sizeof packet.ray.mask);                                         \
     for (size_t begin = 0; begin < count; begin += N) {                                            \
-      TO_PACKET(org_x, ray->o.x);                                                                  \
-      TO_PACKET(org_y, ray->o.y);                                                                  \
-      TO_PACKET(org_z, ray->o.z);                                                                  \
-      TO_PACKET(tnear, ray->tnear);                                                                \
-      TO_PACKET(dir_x, ray->d.x);                                                                  \
-      TO_PACKET(dir_y, ray->d.y);                                                                  \
-      TO_PACKET(dir_z, ray->d.z);                                                                  \
-      TO_PACKET(tfar, ray->tfar);                                                                  \
+      TO_PACKET(packet.ray, org_x, ray->o.x);                                                      \
+      TO_PACKET(packet.ray, org_y, ray->o.y);                                                      \
+      TO_PACKET(packet.ray, org_z, ray->o.z);                                                      \
+      TO_PACKET(packet.ray, tnear, ray->tnear);                                                    \
+      TO_PACKET(packet.ray, dir_x, ray->d.x);                                                      \
+      TO_PACKET(packet.ray, dir_y, ray->d.y);                                                      \
+      TO_PACKET(packet.ray, dir_z, ray->d.z);                                                      \
+      TO_PACKET(packet.ray, tfar, ray->tfar);                                                      \
       if (a->timed)                                                                                \
-        TO_PACKET(time, ray->time);                                                                \
+        TO_PACKET(packet.ray, time, ray->time);                                                    \
       if (a->veiled)                                                                               \
-        TO_PACKET(mask, kinds);                                                                    \
+        TO_PACKET(packet.ray, mask, kinds);                                                        \
       for (size_t k = 0; k < N; k++)                                                               \
         valid[k] = begin + k < count && packet.ray.tfar[k] >= packet.ray.tnear[k] ? -1 : 0;        \
       memset(packet.hit.geomID, 0xff, sizeof packet.hit.geomID); /* ACCEL_MISS */                  \
@@ -430,36 +431,46 @@ void accel_intersect(const accel *a, size_t count, ray_kind kind, const uint32_t
 }
 
 #if RTC_VERSION_MAJOR >= 4
-enum { PACKET = 8 };
-typedef struct RTCRay8 ray_packet;
+typedef struct RTCOccludedArguments occluded_ask;
+#define OCCLUDED(N, valid, packet, ask) embree.rtcOccluded##N(valid, a->scene, packet, ask)
 #else
-enum { PACKET = 16 };
-typedef struct RTCRay16 ray_packet;
+typedef struct RTCIntersectContext occluded_ask;
+#define OCCLUDED(N, valid, packet, ask) embree.rtcOccluded##N(valid, a->scene, ask, packet)
 #endif
+
+/* Rays that keep together, as they lie; lanes have room for a whole last packet. */
+static void occlude_together(const accel *a, size_t count, occluded_ask *ask, rays *ray) {
+  struct RTCRay16 packet = {.time = {0}};
+  _Alignas(64) int valid[16];
+  memset(packet.mask, 0xff, sizeof packet.mask);
+  for (size_t begin = 0; begin < count; begin += 16) {
+    TO_PACKET(packet, org_x, ray->o.x);
+    TO_PACKET(packet, org_y, ray->o.y);
+    TO_PACKET(packet, org_z, ray->o.z);
+    TO_PACKET(packet, tnear, ray->tnear);
+    TO_PACKET(packet, dir_x, ray->d.x);
+    TO_PACKET(packet, dir_y, ray->d.y);
+    TO_PACKET(packet, dir_z, ray->d.z);
+    TO_PACKET(packet, tfar, ray->tfar);
+    if (a->timed)
+      TO_PACKET(packet, time, ray->time);
+    if (a->veiled)
+      TO_PACKET(packet, mask, a->shadow);
+    for (size_t k = 0; k < 16; k++)
+      valid[k] = begin + k < count && packet.tfar[k] >= packet.tnear[k] ? -1 : 0;
+    OCCLUDED(16, valid, &packet, ask);
+    memcpy(ray->tfar + begin, packet.tfar, sizeof packet.tfar);
+  }
+}
 
 /* Never said to be coherent: some rays then made Embree 3.13 go round for ever
  * (tests/test_native_shadow.py has them). */
-static void occlude_packet(const accel *a, ray_packet *packet, size_t count) {
-  _Alignas(64) int valid[PACKET];
-  for (size_t k = 0; k < PACKET; k++)
-    valid[k] = k < count ? -1 : 0;
 #if RTC_VERSION_MAJOR >= 4
-  struct RTCOccludedArguments arguments;
-  rtcInitOccludedArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
-  embree.rtcOccluded8(valid, a->scene, packet, &arguments);
-#else
-  struct RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  embree.rtcOccluded16(valid, a->scene, &context, packet);
-#endif
-}
-
-/* Packets full of rays that have a length: many shadow rays have none. */
-static void occlude_packets(const accel *a, size_t count, rays *ray) {
-  ray_packet packet = {.time = {0}};
-  size_t lane[PACKET], used = 0;
+/* Others by packets full of those that have a length: many shadow rays have none. */
+static void occlude_apart(const accel *a, size_t count, occluded_ask *ask, rays *ray) {
+  struct RTCRay8 packet = {.time = {0}};
+  _Alignas(64) int valid[8];
+  size_t lane[8], used = 0;
   memset(packet.mask, 0xff, sizeof packet.mask);
   for (size_t i = 0; i < count; i++) {
     if (ray->tfar[i] >= ray->tnear[i]) {
@@ -477,9 +488,11 @@ static void occlude_packets(const accel *a, size_t count, rays *ray) {
         packet.mask[used] = a->shadow[i];
       lane[used++] = i;
     }
-    if (used < PACKET && i + 1 < count)
+    if (used < 8 && i + 1 < count)
       continue;
-    occlude_packet(a, &packet, used);
+    for (size_t k = 0; k < 8; k++)
+      valid[k] = k < used ? -1 : 0;
+    OCCLUDED(8, valid, &packet, ask);
     for (size_t k = 0; k < used; k++)
       ray->tfar[lane[k]] = packet.tfar[k];
     used = 0;
@@ -487,17 +500,21 @@ static void occlude_packets(const accel *a, size_t count, rays *ray) {
 }
 
 void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
-#if RTC_VERSION_MAJOR >= 4
-  (void)coherent;
+  occluded_ask ask;
+  rtcInitOccludedArguments(&ask);
+  ask.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  (coherent ? occlude_together : occlude_apart)(a, count, &ask, ray);
+}
 #else
-  if (!coherent) {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    struct RTCRayNp all = ray_arrays(a, ray, a->shadow);
-    embree.rtcOccludedNp(a->scene, &context, &all, (unsigned)count);
+void accel_occluded(const accel *a, size_t count, bool coherent, rays *ray) {
+  occluded_ask ask;
+  rtcInitIntersectContext(&ask);
+  ask.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  if (coherent) {
+    occlude_together(a, count, &ask, ray);
     return;
   }
-#endif
-  occlude_packets(a, count, ray);
+  struct RTCRayNp all = ray_arrays(a, ray, a->shadow);
+  embree.rtcOccludedNp(a->scene, &ask, &all, (unsigned)count);
 }
+#endif
