@@ -2,7 +2,7 @@
 """What other renderers see of the metal node: an Anisotropic BSDF behind Libshade Groove, whose grooves follow
 bumps. Older files have less inside, or a Principled BSDF, and keep it."""
 
-from . import groove
+from . import groove, working_space
 from .group import like_pattern, new_socket, say
 
 # Sockets that properties set: what these say counts until a socket is linked or says something else.
@@ -57,6 +57,29 @@ def edge_tint(n, k):
     """What a conductor at 82 degrees keeps of Schlick's value, 0 to 1."""
     head_on = reflectance(n, k, 1.0)
     return min(1.0, reflectance(n, k, 1 / 7) / (head_on + (1.0 - head_on) * AT_82))
+
+
+def here(eta, k):
+    """The index and extinction, by channel, of a metal whose colours in the file's working space, head-on and at 82 degrees,
+    are those that these reflect in Rec. 709."""
+    if not working_space.from_rec709():
+        return eta, k
+    head_on, edge = (working_space.here([reflectance(n, x, cosine) for n, x in zip(eta, k)]) for cosine in (1.0, 1 / 7))
+    return tuple(zip(*map(_index_of, head_on, edge)))
+
+
+def _index_of(head_on, edge):
+    """That reflects so much: the larger the index, of all that reflect the same head-on, the less at 82 degrees [Gulbrandsen2014]."""
+    head_on = min(max(head_on, 1e-6), 1.0 - 1e-6)
+    low, high = (1 - head_on) / (1 + head_on), (1 + head_on**0.5) / (1 - head_on**0.5)
+
+    def extinction(n):
+        return max((head_on * (n + 1) ** 2 - (n - 1) ** 2) / (1 - head_on), 0.0) ** 0.5
+
+    for _ in range(60):
+        n = 0.5 * (low + high)
+        low, high = (n, high) if reflectance(n, extinction(n), 1 / 7) > edge else (low, n)
+    return n, extinction(n)
 
 
 def new_tree(color):

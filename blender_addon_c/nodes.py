@@ -11,12 +11,12 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
-from . import _native, metal_tree
+from . import _native, metal_tree, working_space
 from .group import drop_patterns, own_tree, renew, unhide
 from .manual import draw_button
 from .metal_tree import EDGE, MATT_COLOR, SHAPE
 from .names import FABRIC, METAL, SCRATCHES
-from .own_node import NodePanel, OnNode, add_button, preset_of_scripts, register_node, unregister_node
+from .own_node import CHOSEN, NodePanel, OnNode, add_button, preset_of_scripts, register_node, unregister_node
 from .report import TellsOfNothing, draw_on, is_enabled
 
 _NAME = "Libshade Metal"
@@ -258,7 +258,7 @@ def _properties():
     made["set_color"] = FloatVectorProperty(size=4, options={"HIDDEN"})  # 0: it never told of an index
     # The tree inside also belongs to a copy of this node, until one of them changes.
     made["shares_tree"] = BoolProperty(options={"HIDDEN"})
-    return made
+    return {**made, **CHOSEN}
 
 
 def _initial_color():
@@ -425,6 +425,8 @@ def apply_preset(node, preset):
     global _setting_all
     row = _METALS[preset]
     values = _native.metal(row["word"])
+    values["eta"], values["k"] = metal_tree.here(values["eta"], values["k"])
+    values["kd"] = working_space.here(values["kd"])
     _setting_all = True
     try:
         for name, attribute in _choices():
@@ -444,6 +446,7 @@ def apply_preset(node, preset):
         tree.links.remove(tangent.links[0])
         if not source.outputs[0].is_linked:
             tree.nodes.remove(source)
+    node.chosen = preset
     if row["turned"] or node.grain.startswith("RADIAL"):
         node.grain = "RADIAL_Z" if row["turned"] else "UV"
 
@@ -477,7 +480,8 @@ class LIBSHADE_OT_measured_metal(OnNode, bpy.types.Operator):
 
     def execute(self, context):
         node, row = self.node_of(context), _MEASURED[self.metal]
-        node.fresnel, node.eta, node.k = "CONDUCTOR", row["eta"], row["k"]
+        node.fresnel = "CONDUCTOR"
+        node.eta, node.k = metal_tree.here(row["eta"], row["k"])
         node.show_index()
         node.update_preview()
         return {"FINISHED"}

@@ -2,18 +2,23 @@
 """What our nodes share with each other: how Blender knows them, and what menus, operators and panels do with them."""
 
 import bpy
+from bpy.props import StringProperty
 
 from . import versions
 
 
 def preset_of_scripts(words, apply):
-    """`node.preset = word`: without it Python would keep such an attribute, and nothing would follow. Set, it is not kept."""
+    """`node.preset = word`, and which one was chosen last, "" for none: what that has set may be another by now. The
+    class has CHOSEN among its properties."""
     def choose(node, word):
         known = str(word).upper().replace(" ", "_")
         if known not in words:
             raise TypeError(f"preset: '{word}' is none of {', '.join(words)}")
         apply(node, known)
-    return property(None, choose)
+    return property(lambda node: node.chosen, choose)
+
+
+CHOSEN = {"chosen": StringProperty(options={"HIDDEN"})}  # the last preset, as its word
 
 
 def add_button(layout, kind, label):

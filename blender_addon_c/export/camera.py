@@ -26,6 +26,8 @@ def camera_of(ob, depsgraph, size, messages, eye=None):
     if data.type == "PANO":
         view = _panorama(ob, data, render, size, (matrix, shift), messages)
         return {**view, **_lens(ob, data, depsgraph, messages)} if data.dof.use_dof else view
+    if data.type not in {"PERSP", "ORTHO"}:
+        messages.warning(f"camera '{ob.name}': {_KINDS.get(data.type, data.type.lower())} cameras are not supported; seen in perspective")
     # The projection holds lens, sensor fit, shift and aspect.
     projection = ob.calc_matrix_camera(depsgraph, x=size[0], y=size[1],
                                        scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
@@ -41,6 +43,7 @@ def camera_of(ob, depsgraph, size, messages, eye=None):
     return {**view, **_lens(ob, data, depsgraph, messages)} if data.dof.use_dof else view
 
 
+_KINDS = {"CUSTOM": "custom (OSL)"}
 _PANORAMAS = ("EQUIRECTANGULAR", "EQUIANGULAR_CUBEMAP_FACE", "MIRRORBALL", "FISHEYE_EQUIDISTANT",
               "FISHEYE_EQUISOLID", "FISHEYE_LENS_POLYNOMIAL", "CENTRAL_CYLINDRICAL")  # as in the native module
 

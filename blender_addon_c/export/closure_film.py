@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Thin films, and the metals below them."""
 
+from .. import working_space
 from ..metal_tree import AT_82
 from .graph import is_known
 from .value import number_of
@@ -12,7 +13,8 @@ def film_of(reader, node, groups):
     thickness = number_of(reader, socket, groups) if socket else 0.0
     if is_known(thickness) and thickness <= 0:
         return {}
-    return {"film_thickness": [thickness], "film_ior": [number_of(reader, node.inputs["Thin Film IOR"], groups)]}
+    return {"film_thickness": [thickness], "film_ior": [number_of(reader, node.inputs["Thin Film IOR"], groups)],
+            **working_space.told("film_rgb", working_space.from_xyz())}
 
 
 def tinted(reader, base, edge):

@@ -4,7 +4,7 @@ goes to those below."""
 
 from types import SimpleNamespace
 
-from .. import versions
+from .. import versions, working_space
 from .closure_add import BLACK, WHITE, add, is_bright, is_white, is_zero, normal_in, times
 from .closure_film import film_of, tinted
 from .closure_glass import add_glass
@@ -13,7 +13,7 @@ from .closure_light import shine
 from .closure_lobe import GGX, Lobe, alpha_of, apart, eta_of, head_on_of, keeps_all, mean_of, metal_closure
 from .closure_matt import fibres, matt, spreads
 from .graph import is_known
-from .value import LUMINANCE, clamped, color_of, dot, number_of
+from .value import clamped, color_of, dot, number_of
 
 
 def principled(reader, node, groups, share):
@@ -119,7 +119,7 @@ class _Until36(_Principled):
             self._rest(body, through), self.normal)
         sheen = self._number("Sheen")
         add(self.reader, {"closure": "SHEEN", "model": "SCHLICK"},
-            times(self.reader, self._hue("Sheen Tint", LUMINANCE),
+            times(self.reader, self._hue("Sheen Tint", working_space.luminance()),
                   self._part(self._rest(body, through), sheen)), self.normal, WHITE)
         self._specular(self.math("SUBTRACT", share, glass))
 

@@ -48,6 +48,8 @@ def _made(reader, node, groups, transmit, fed):
     cloth, fed = {**cloth, "transmit": transmit}, {**fed}
     if trouble:
         reader.warn(f"'{node.name}': {trouble}")
+    if "draft" in cloth and "from_rec709" in cloth:
+        cloth["draft_from_rec709"] = cloth["from_rec709"]
     for yarn in ("warp", "weft"):
         color = color_of(reader, node.inputs[f"{yarn.title()} Color"], groups)
         if is_known(*color):

@@ -9,6 +9,7 @@ import tempfile
 import bpy
 import numpy as np
 
+from .. import working_space
 from .main_thread import on_main_thread
 
 
@@ -162,8 +163,10 @@ class Images:
         wide = image.is_float and not (data.min() >= 0 and data.max() <= 1)
         if image.is_float:
             _leave(pages, 0, data.nbytes)
-        # Blender hands float images over in linear light, bytes as they are in the file.
-        srgb = image.colorspace_settings.name == "sRGB" and (not image.is_float or not wide and _is_of_integers(image))
+        # Blender hands float images over in linear light, bytes as they are in the file. Cycles mixes the latter as they
+        # are there where that is the working space's light.
+        srgb = (image.colorspace_settings.name == "sRGB" and not working_space.from_rec709()
+                and (not image.is_float or not wide and _is_of_integers(image)))
         straight = not image.is_float or srgb
         if image.is_float and srgb:
             _encode(data, image.channels, image.alpha_mode != "CHANNEL_PACKED")

@@ -7,6 +7,7 @@ from collections import namedtuple
 
 import bpy
 
+from .. import working_space
 from .messages import Messages
 
 _SLICE_SECONDS = 0.05
@@ -29,7 +30,7 @@ class Kept:
     def __init__(self):
         self.meshes_read = 0
         self._meshes, self._images, self._around, self._wanted = {}, {}, {}, set()
-        self._undone = _undone[0]
+        self._read_as = None  # what else tells that all is to be read again
         self._spent, self._budget, self._started = 0.0, _SLICE_SECONDS, 0.0
 
     def changed(self, depsgraph):
@@ -42,8 +43,9 @@ class Kept:
                 self._images = {key: found for key, found in self._images.items() if key[0] != update.id.name_full}
 
     def begin(self):
-        if self._undone != _undone[0]:
-            self._meshes, self._images, self._undone = {}, {}, _undone[0]
+        read_as = _undone[0], working_space.from_rec709()
+        if self._read_as != read_as:
+            self._meshes, self._images, self._read_as = {}, {}, read_as
         self._wanted, self._spent, self._started = set(), 0.0, time.perf_counter()
 
     def end(self):

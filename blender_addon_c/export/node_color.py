@@ -3,8 +3,9 @@
 
 from array import array
 
+from .. import working_space
 from .graph import is_known
-from .value import LUMINANCE, clamped, color_of, dot, each, number_in, number_of, unit, vector_in
+from .value import clamped, color_of, dot, each, number_in, number_of, unit, vector_in
 
 
 def _rgb(_reader, found):
@@ -248,7 +249,7 @@ def _bright_contrast(reader, found):
 
 
 def _to_bw(reader, found):
-    return (dot(reader, vector_in(reader, found, "Color"), LUMINANCE),)
+    return (dot(reader, vector_in(reader, found, "Color"), working_space.luminance()),)
 
 
 def _map_range(reader, found):

@@ -4,6 +4,7 @@
 import math
 from array import array
 
+from .. import working_space
 from .graph import is_known
 from .value import each, number_in, vector_in
 
@@ -58,15 +59,16 @@ def _curve_float(reader, found):
 
 # Colour of a black body of luminance 1, Rec. 709: from a temperature on, red and green are
 # a / t + b t + c, blue is a polynomial: forms and stretches are those of Cycles, the numbers fitted to
-# what its 3.4 and 5.0 say, within 1e-6.
+# what its 3.4 and 5.0 say, within 1e-6; below 0 to what 5.0 says in ACEScg.
 _HOT = (
-    (800, (1.61919904e3, -2.05009840e-3, 5.02993546), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),
-    (965, (2.48845963e3, -1.11330365e-3, 3.22620128),
-     (-7.55996349e2, 3.16728013e-4, 4.78311388e-1), (0.0, 0.0, 0.0, 0.0)),
-    (1167, (3.34143542e3, -4.86547851e-4, 1.76485734),
-     (-1.02363772e3, 1.20224200e-4, 9.36660739e-1), (0.0, 0.0, 0.0, 0.0)),
-    (1449, (4.09461719e3, -1.27445192e-4, 7.25726750e-1),
-     (-1.26571216e3, 4.87329612e-6, 1.27054539), (0.0, 0.0, 0.0, 0.0)),
+    (800, (1.61919904e3, -2.05009840e-3, 5.02993546), (-4.89000435e2, 6.04331602e-4, -7.55807255e-2),
+     (5.96956143e-11, -4.85775200e-8, -9.70589815e-5, -4.08027840e-3)),
+    (965, (2.48845963e3, -1.11330365e-3, 3.22620128), (-7.55996349e2, 3.16728013e-4, 4.78311388e-1),
+     (2.40418399e-11, 5.55054975e-8, -1.98506880e-4, 2.89324409e-2)),
+    (1167, (3.34143542e3, -4.86547851e-4, 1.76485734), (-1.02363772e3, 1.20224200e-4, 9.36660739e-1),
+     (-1.40967767e-11, 1.89886063e-7, -3.56642210e-4, 9.10811000e-2)),
+    (1449, (4.09461719e3, -1.27445192e-4, 7.25726750e-1), (-1.26571216e3, 4.87329612e-6, 1.27054539),
+     (-3.61442852e-11, 2.84812698e-7, -4.93195701e-4, 1.56715038e-1)),
     (1902, (4.67027623e3, 2.91259195e-5, 1.26703007e-1), (-1.42529187e3, -4.01150812e-5, 1.43972777),
      (-1.97075876e-11, 1.75359351e-7, -2.50542214e-4, -2.22790294e-2)),
     (3315, (4.59508698e3, 2.87495870e-5, 1.50345094e-1), (-1.17554688e3, -2.16378194e-5, 1.30408018),
@@ -78,21 +80,23 @@ _COLDEST, _HOTTEST, _KELVINS = 800.0, 12000.0, 4096
 _HOTTER = [0.8262955, 0.99450803, 1.56630766]
 
 
-def _glow(t):
+def _glow(t, space):
+    """Nothing below 0. space: the working one, as a matrix from Rec. 709."""
     if t >= _HOTTEST:
-        return _HOTTER
+        return [max(part, 0.0) for part in working_space.times(space, _HOTTER)]
     t = max(t, _COLDEST)
     _, red, green, blue = max((row for row in _HOT if row[0] <= t), key=lambda row: row[0])
     warm = [a / t + b * t + c for a, b, c in (red, green)]
-    return [max(part, 0.0) for part in (*warm, ((blue[0] * t + blue[1]) * t + blue[2]) * t + blue[3])]
+    rec709 = *warm, ((blue[0] * t + blue[1]) * t + blue[2]) * t + blue[3]
+    return [max(part, 0.0) for part in working_space.times(space, rec709)]
 
 
 def _blackbody(reader, found):
-    t = number_in(reader, found, "Temperature")
+    t, space = number_in(reader, found, "Temperature"), working_space.from_rec709()
     if is_known(t):
-        return tuple(_glow(t))
+        return tuple(_glow(t, space))
     step = (_HOTTEST - _COLDEST) / (_KELVINS - 1)
-    tables = zip(*(_glow(_COLDEST + k * step) for k in range(_KELVINS)))
+    tables = zip(*(_glow(_COLDEST + k * step, space) for k in range(_KELVINS)))
     return tuple(_curve(reader, table, _COLDEST, _HOTTEST, t, False) for table in tables)
 
 
@@ -108,8 +112,6 @@ _OBSERVER = tuple(tuple(map(int, row.split())) for row in (
     """65 105 201 362 679 1102 2074 3713 6456 10391 13856 16230 17471 17826 17721 17441 16692 15281 12876 10419
        8130 6162 4652 3533 2720 2123 1582 1117 782 573 422 298 203 134 87 57 39 27 21 18 17 14 11 10 8 6 3 2 2 1
        0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0"""))
-_TO_RGB = ((3.2404542, -1.5371385, -0.4985314), (-0.9692660, 1.8760108, 0.0415560),  # Rec. 709, D65
-           (0.0556434, -0.2040259, 1.0572252))
 _BRIGHTEST = 2.52
 
 
@@ -117,7 +119,7 @@ def _wavelength(reader, found):
     """Nothing beyond both ends."""
     at = number_in(reader, found, "Wavelength")
     made = []
-    for row in _TO_RGB:
+    for row in working_space.from_xyz() or working_space.XYZ_TO_REC709:
         table = [0.0, *(1e-4 / _BRIGHTEST * sum(by * part for by, part in zip(row, xyz))
                         for xyz in zip(*_OBSERVER)), 0.0]
         made.append(reader.program.math("MAXIMUM", _curve(reader, table, 375.0, 785.0, at, False), 0.0))

@@ -5,7 +5,7 @@ import math
 
 from mathutils import Matrix, Vector
 
-from .. import versions
+from .. import versions, working_space
 
 _SMALLEST = 0.0005  # disc [Cycles 3.4, 5.0]
 _SCATTERING = {"NISHITA": "SINGLE", "SINGLE_SCATTERING": "SINGLE", "MULTIPLE_SCATTERING": "MULTIPLE"}
@@ -23,7 +23,8 @@ def sky_of(reader, node, strength, matrix):
         model, elevation, azimuth = _fitted(reader, node)
     turned = Matrix.Rotation(-azimuth, 4, "Z") @ matrix
     return {"strength": (max(strength, 0.0),) * 3, "elevation": elevation,
-            "matrix": [value for row in turned[:3] for value in row], **model}
+            "matrix": [value for row in turned[:3] for value in row], **model,
+            **working_space.told("rgb", working_space.from_xyz())}
 
 
 def _finite(angle):

@@ -8,13 +8,11 @@ The functions are in node_*.py.
 
 from collections import namedtuple
 
-from .. import versions
+from .. import versions, working_space
 from . import tree
 
 # kind: VALUE, RGBA, VECTOR, or NORMAL, a vector in the shading frame.
 Value = namedtuple("Value", "kind parts")
-
-LUMINANCE = (0.2126, 0.7152, 0.0722)  # of Rec. 709, Blender's default
 
 
 def color_of(reader, socket, groups):
@@ -121,7 +119,7 @@ def three(reader, value):
 def one(reader, value):
     if len(value.parts) == 1:
         return value.parts[0]
-    weights = LUMINANCE if value.kind == "RGBA" else (1 / 3,) * 3
+    weights = working_space.luminance() if value.kind == "RGBA" else (1 / 3,) * 3
     return dot(reader, three(reader, value), weights)
 
 

@@ -6,7 +6,7 @@ from functools import lru_cache
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 
-from .. import _native, nodes
+from .. import _native, nodes, working_space
 from ..group import own_tree, renew
 from ..manual import draw_button
 from ..names import FABRIC
@@ -26,7 +26,7 @@ def settings(node, unit):
     """(what the native module is to know of a node's cloth, but for what its sockets say; what is wrong or ""). unit: metres
     in one of the scene."""
     made, trouble = yarns.settings(node, unit)
-    return {**made, "open": node.open_gaps}, trouble
+    return {**made, "open": node.open_gaps, **working_space.told("from_rec709", working_space.from_rec709())}, trouble
 
 
 def socket_rules(node):
@@ -94,7 +94,8 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
     def fill_sockets(self):
         """What the preset says of them."""
         row = _CLOTHS[yarns.base(self)]
-        said = {"Warp Color": (*row["warp"], 1.0), "Weft Color": (*row["weft"], 1.0), "Fuzz": row["nap"]}
+        said = {"Warp Color": (*working_space.here(row["warp"]), 1.0), "Weft Color": (*working_space.here(row["weft"]), 1.0),
+                "Fuzz": row["nap"]}
         for name in fabric_tree.OF_PRESET:
             if name in self.inputs:  # not all on older nodes
                 self.inputs[name].default_value = said[name]

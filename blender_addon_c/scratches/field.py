@@ -22,6 +22,7 @@ PRESETS = {
 def apply_preset(node, preset):
     for name, value in PRESETS[preset][2].items():
         node.inputs[name].default_value = value
+    node.chosen = preset
 
 
 def tile_of(node, unit):

@@ -11,7 +11,7 @@ from .. import _native
 from ..export import size
 from ..manual import draw_button
 from ..names import SCRATCHES
-from ..own_node import add_button, preset_of_scripts, register_node, unregister_node
+from ..own_node import CHOSEN, add_button, preset_of_scripts, register_node, unregister_node
 from ..report import draw_on, in_digits, is_enabled
 from . import tree as scratch_tree
 from .field import PRESETS, apply_preset, description
@@ -43,6 +43,7 @@ class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):
             description="Side of the square that repeats; 0: as that of the images, else as large as 200,000 scratches fill"),
         # What the images inside were made of; "" where there are none.
         "baked": StringProperty(options={"HIDDEN"}),
+        **CHOSEN,
     }
     preset = preset_of_scripts(PRESETS, apply_preset)
 

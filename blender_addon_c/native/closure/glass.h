@@ -32,8 +32,9 @@ typedef struct closure_glass {
 } closure_glass;
 
 static inline bool closure_glass_read(reader *r, closure_glass *c, graph *g) {
-  c->film = (thin_film){.there = reader_has(r, "film_thickness"), .table = thin_film_table()};
-  if (c->film.there && !(graph_operands(r, g, "film_thickness", 1, &c->film.thickness) &&
+  c->film = (thin_film){.there = reader_has(r, "film_thickness")};
+  if (c->film.there && !((c->film.table = thin_film_table(r)) &&
+                         graph_operands(r, g, "film_thickness", 1, &c->film.thickness) &&
                          graph_operands(r, g, "film_ior", 1, &c->film.ior)))
     return false;
   c->hued = reader_has(r, "mirror_tint");

@@ -3,9 +3,16 @@
 
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
-static pthread_once_t once = PTHREAD_ONCE_INIT;
-static float made[6 * FILM_WAYS];
+/* One for each working space that was ever asked for. */
+typedef struct film_table {
+  double rgb[9];
+  float part[6 * FILM_WAYS];
+  struct film_table *next;
+} film_table;
+static film_table *made;
+static pthread_mutex_t making = PTHREAD_MUTEX_INITIALIZER;
 
 static double lobe(double nm, double middle, double below, double above) {
   double t = (nm - middle) * (nm < middle ? below : above);
@@ -21,15 +28,13 @@ static void observer(double nm, double xyz[3]) {
 }
 
 /* Light that is even over wavelengths is white. */
-static void make(void) {
-  static const double rgb[3][3] = {{3.2404542, -1.5371385, -0.4985314},
-                                   {-0.9692660, 1.8760108, 0.0415560},
-                                   {0.0556434, -0.2040259, 1.0572252}};
+static film_table *make(const double rgb[9]) {
   enum { FIRST = 360, LAST = 830, STEPS = 2 * (LAST - FIRST) };
-  double *sum = calloc(6 * FILM_WAYS, sizeof *sum);
-  if (!sum) { /* as if all films were thick */
-    made[0] = made[2 * FILM_WAYS] = made[4 * FILM_WAYS] = 1.0f;
-    return;
+  film_table *table = malloc(sizeof *table);
+  double *sum = table ? calloc(6 * FILM_WAYS, sizeof *sum) : NULL;
+  if (!sum) {
+    free(table);
+    return NULL;
   }
   for (int step = 0; step < STEPS; step++) {
     double nm = FIRST + (step + 0.5) / 2, xyz[3], turn = 6.283185307179586 * (double)FILM_STEP / nm;
@@ -37,7 +42,8 @@ static void make(void) {
     observer(nm, xyz);
     for (int way = 0; way < FILM_WAYS - 1; way++) {
       for (int color = 0; color < 3; color++) {
-        double value = rgb[color][0] * xyz[0] + rgb[color][1] * xyz[1] + rgb[color][2] * xyz[2];
+        const double *row = rgb + 3 * color;
+        double value = row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2];
         sum[2 * color * FILM_WAYS + way] += value * c;
         sum[(2 * color + 1) * FILM_WAYS + way] += value * s;
       }
@@ -48,12 +54,27 @@ static void make(void) {
   }
   for (int color = 0; color < 3; color++)
     for (int way = 0; way < 2 * FILM_WAYS; way++)
-      made[2 * color * FILM_WAYS + way] =
+      table->part[2 * color * FILM_WAYS + way] =
           (float)(sum[2 * color * FILM_WAYS + way] / sum[2 * color * FILM_WAYS]);
   free(sum);
+  memcpy(table->rgb, rgb, sizeof table->rgb);
+  return table;
 }
 
-const float *thin_film_table(void) {
-  pthread_once(&once, make);
-  return made;
+const float *thin_film_table(reader *r) {
+  double rgb[9];
+  if (!reader_rgb_of_xyz(r, "film_rgb", rgb))
+    return NULL;
+  pthread_mutex_lock(&making);
+  film_table *table = made;
+  while (table && memcmp(table->rgb, rgb, sizeof rgb) != 0)
+    table = table->next;
+  if (!table && (table = make(rgb)) != NULL) {
+    table->next = made;
+    made = table;
+  }
+  pthread_mutex_unlock(&making);
+  if (!table)
+    reader_out_of_memory(r);
+  return table ? table->part : NULL;
 }

@@ -26,7 +26,9 @@
 enum { FILM_WAYS = 4096, FILM_TERMS = 16 };
 #define FILM_STEP 5.0f
 
-const float *thin_film_table(void);
+/* In the working space that a dictionary's `film_rgb` is the matrix of; NULL after a failure. Kept
+ * until the process ends. */
+const float *thin_film_table(reader *r);
 
 /* Of a body: operands. No film where `there` is false. */
 typedef struct thin_film {
@@ -38,8 +40,10 @@ typedef struct thin_film {
 
 static inline bool thin_film_read(reader *r, thin_film *f, graph *g) {
   f->there = true;
-  f->table = thin_film_table();
+  f->table = thin_film_table(r);
   f->tinted = reader_has(r, "film_tint");
+  if (!f->table)
+    return false;
   if (f->tinted && !graph_operands(r, g, "film_tint", 3, f->tint))
     return false;
   return graph_operands(r, g, "film_thickness", 1, &f->thickness) &&

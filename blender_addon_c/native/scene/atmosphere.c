@@ -56,11 +56,9 @@ double atmosphere_dip(const atmosphere *a) {
   return a->later ? multiple_dip(a) : 0;
 }
 
-/* Linear light of Rec. 709 and D65. */
-void atmosphere_rgb(const double xyz[3], double rgb[3]) {
-  static const double matrix[3][3] = {{3.2404542, -1.5371385, -0.4985314},
-                                      {-0.9692660, 1.8760108, 0.0415560},
-                                      {0.0556434, -0.2040259, 1.0572252}};
-  for (int k = 0; k < 3; k++)
-    rgb[k] = matrix[k][0] * xyz[0] + matrix[k][1] * xyz[1] + matrix[k][2] * xyz[2];
+void atmosphere_rgb(const atmosphere *a, const double xyz[3], double rgb[3]) {
+  for (int k = 0; k < 3; k++) {
+    const double *row = a->rgb + 3 * k;
+    rgb[k] = row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2];
+  }
 }

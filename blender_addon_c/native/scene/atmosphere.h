@@ -30,6 +30,7 @@ typedef struct atmosphere {
   float turbidity;            /* of Preetham */
   bool later;                 /* as in Blender 5.0, else as in 3.4: rows and rims */
   float sun_size, sun_bright; /* angle across the disc, 0: none; times as bright */
+  double rgb[9];              /* of X, Y and Z, by rows */
 
   struct multiple_table *table; /* of the multiple scattering */
 } atmosphere;
@@ -53,7 +54,8 @@ void atmosphere_sun(const atmosphere *a, bool upper, double xyz[3]);
 /* How far below the level the ground begins, radians. */
 double atmosphere_dip(const atmosphere *a);
 
-void atmosphere_rgb(const double xyz[3], double rgb[3]);
+/* Linear light of the space that the atmosphere's matrix is of. */
+void atmosphere_rgb(const atmosphere *a, const double xyz[3], double rgb[3]);
 
 /* ---- the models, for atmosphere.c */
 

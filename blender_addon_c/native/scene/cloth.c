@@ -56,6 +56,25 @@ static bool read_colors(reader *r, shade_fabric_params *p) {
   return true;
 }
 
+/* A colour in linear Rec. 709 becomes that of the scene's working space. */
+static void carry(const double by[9], double color[3]) {
+  const double old[3] = {color[0], color[1], color[2]};
+  for (int k = 0; k < 3; k++, by += 3)
+    color[k] = within_one(by[0] * old[0] + by[1] * old[1] + by[2] * old[2]);
+}
+
+static bool carry_preset(reader *r, shade_fabric_params *p) {
+  double by[9],
+      *colors[] = {p->warp.f0, p->warp.kd, p->weft.f0, p->weft.kd, p->backing, p->nap_color};
+  if (!reader_has(r, "from_rec709"))
+    return true;
+  if (!reader_numbers(r, "from_rec709", 9, by))
+    return false;
+  for (size_t i = 0; i < sizeof colors / sizeof *colors; i++)
+    carry(by, colors[i]);
+  return true;
+}
+
 static bool read_preset(reader *r, shade_preset *preset) {
   char *word;
   if (!reader_text(r, "preset", NULL, &word))
@@ -97,6 +116,28 @@ static bool read_finish(reader *r, cloth *c) {
   return true;
 }
 
+static double light_of(double shown) {
+  return shown <= 0.04045 ? shown / 12.92 : pow((shown + 0.055) / 1.055, 2.4);
+}
+
+/* The draft's colours, which are those of displays, become the scene's. */
+static bool carry_draft(reader *r, shade_draft *d) {
+  double by[9];
+  if (!reader_has(r, "draft_from_rec709"))
+    return true;
+  if (!reader_numbers(r, "draft_from_rec709", 9, by))
+    return false;
+  for (int i = 0; i < d->ends + d->picks; i++) {
+    double *color = i < d->ends ? d->warp[i].color : d->weft[i - d->ends].color;
+    for (int k = 0; k < 3; k++)
+      color[k] = light_of(color[k]);
+    carry(by, color);
+    for (int k = 0; k < 3; k++)
+      color[k] = cloth_shown(color[k]);
+  }
+  return true;
+}
+
 static bool read_draft(reader *r, cloth *c) {
   char *text = NULL, *name = NULL, message[256];
   bool good = reader_text(r, "draft", NULL, &text) && reader_text(r, "draft_name", "draft", &name);
@@ -105,6 +146,7 @@ static bool read_draft(reader *r, cloth *c) {
   bool colors = false;
   if (good && reader_has(r, "draft_colors"))
     good = reader_flag(r, "draft_colors", &colors);
+  good = good && carry_draft(r, c->draft);
   c->preset.fabric.draft_colors = colors;
   free(text);
   free(name);
@@ -220,9 +262,9 @@ bool cloth_read(reader *r, void *out, void *context) {
   float transmit;
   bool open;
   (void)context;
-  if (!read_preset(r, &c->preset) || !read_weave(r, c) || !read_size(r, c) || !read_yarns(r, c) ||
-      !reader_number_within(r, "transmit", 0, 1, &transmit) || !reader_flag(r, "open", &open) ||
-      !read_colors(r, p) || !read_finish(r, c))
+  if (!read_preset(r, &c->preset) || !carry_preset(r, p) || !read_weave(r, c) || !read_size(r, c) ||
+      !read_yarns(r, c) || !reader_number_within(r, "transmit", 0, 1, &transmit) ||
+      !reader_flag(r, "open", &open) || !read_colors(r, p) || !read_finish(r, c))
     return false;
   c->bright = (float)(0.5 * (mean_of(p->warp.kd) + mean_of(p->weft.kd)) +
                       0.5 * (mean_of(p->warp.f0) + mean_of(p->weft.f0)) + 0.05);

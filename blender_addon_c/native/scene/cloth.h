@@ -60,6 +60,7 @@ bool cloth_texels(const cloth *c, int *width, int *height, bool *tinted);
 bool cloth_picture(const cloth *c, int width, int height, float *tilt, float *yarns, float *tint);
 /* Has a yarn of the draft another colour than white? */
 bool cloth_draft_tinted(const shade_draft *d);
+double cloth_shown(double light); /* as sRGB */
 /* Of what yarns would take of even light, each alone, the share that they leave one another; below
  * 0 when out of memory. */
 double cloth_lit(const cloth *c);

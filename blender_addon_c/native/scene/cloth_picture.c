@@ -54,8 +54,8 @@ static shade_weave *even_weave(const cloth *c, const shade_draft **d, shade_draf
   return *d ? shade_weave_create(*d, &p, NULL) : NULL;
 }
 
-static float shown(double linear) { /* as sRGB */
-  return (float)(linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055);
+double cloth_shown(double light) {
+  return light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
 }
 
 /* Sums over the points of one texel. */
@@ -84,7 +84,7 @@ static void write_texel(const texel *t, int points, float *tilt, float *yarns, f
   yarns[2] = 0.0f;
   tilt[3] = yarns[3] = 1.0f;
   for (int k = 0; tint && k < 3; k++)
-    tint[k] = yarn > 0 ? shown(t->color[k] * on_yarn) : 1.0f;
+    tint[k] = yarn > 0 ? (float)cloth_shown(t->color[k] * on_yarn) : 1.0f;
   if (tint)
     tint[3] = 1.0f;
 }

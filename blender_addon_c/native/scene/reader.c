@@ -72,3 +72,10 @@ bool reader_options(reader *r, const reader_key *keys, void *out) {
     good = !reader_has(r, keys->name) || read_key(r, keys, out);
   return good;
 }
+
+bool reader_rgb_of_xyz(reader *r, const char *key, double out[9]) {
+  static const double rec709[9] = {3.2404542, -1.5371385, -0.4985314, -0.9692660, 1.8760108,
+                                   0.0415560, 0.0556434,  -0.2040259, 1.0572252};
+  memcpy(out, rec709, sizeof rec709);
+  return !reader_has(r, key) || reader_numbers(r, key, 9, out);
+}

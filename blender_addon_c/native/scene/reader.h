@@ -57,6 +57,10 @@ typedef struct reader_key {
 bool reader_keys(reader *r, const reader_key *keys, void *out);
 bool reader_options(reader *r, const reader_key *keys, void *out);
 
+/* The matrix of X, Y and Z, by rows, to the red, green and blue of the scene's working space; of
+ * linear Rec. 709 and D65 where it is missing. */
+bool reader_rgb_of_xyz(reader *r, const char *key, double out[9]);
+
 /* Operands of a graph: each a number, or a register as a sequence of its one index. */
 bool reader_operands(reader *r, const char *key, int count, operand *out);
 

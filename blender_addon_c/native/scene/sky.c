@@ -68,7 +68,8 @@ static void fill_modelled(void *context, size_t line) {
   atmosphere_row(&s->air, ground ? ATMOSPHERE_HORIZON : (int)line, half);
   for (int x = 0; x < ATMOSPHERE_HALF; x++) {
     double rgb[3];
-    atmosphere_rgb((double[3]){(double)half[0][x], (double)half[1][x], (double)half[2][x]}, rgb);
+    const double xyz[3] = {(double)half[0][x], (double)half[1][x], (double)half[2][x]};
+    atmosphere_rgb(&s->air, xyz, rgb);
     float *one = row + 4 * x, *other = row + 4 * (ATMOSPHERE_COLUMNS - 1 - x);
     for (int c = 0; c < 3; c++)
       one[c] = other[c] = usable((float)rgb[c] * shown * s->strength[c]);
@@ -95,7 +96,7 @@ static void place_sun(sky *s) {
   for (int k = 0; k < 2; k++) {
     double xyz[3], *rgb = k ? upper : lower;
     atmosphere_sun(a, k == 1, xyz);
-    atmosphere_rgb(xyz, rgb);
+    atmosphere_rgb(a, xyz, rgb);
     for (int c = 0; c < 3; c++)
       rgb[c] = (double)usable((float)(rgb[c] / angle * (double)(a->sun_bright * s->strength[c])));
     bright += 0.5 * (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]);

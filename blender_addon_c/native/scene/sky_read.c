@@ -16,7 +16,8 @@ static bool read_atmosphere(reader *r, sky *s) {
   atmosphere *a = &s->air;
   int model;
   if (!reader_word(r, "model", models, &model) ||
-      !reader_number_within(r, "elevation", -1.5708, 1.5708, &a->elevation))
+      !reader_number_within(r, "elevation", -1.5708, 1.5708, &a->elevation) ||
+      !reader_rgb_of_xyz(r, "rgb", a->rgb))
     return false;
   a->model = (atmosphere_model)model;
   s->modelled = true;

@@ -585,6 +585,48 @@ def test_manual():
     assert {link[1:] for link in inner if link[0] == "#"} <= set(re.findall('id="(.*?)"', page))
 
 
+def another(p):
+    """A value that a property may have and does not have at first, exact in single precision."""
+    if p.type == "STRING":
+        return "words"
+    if p.type == "BOOLEAN":
+        return not p.default
+    if p.type == "ENUM":
+        return next(item.identifier for item in p.enum_items if item.identifier != p.default)
+    if p.type == "POINTER":
+        return bpy.data.texts.new("pointed at")
+    low, high = max(p.hard_min, -8), min(p.hard_max, 8)
+    if p.type == "INT":
+        return next(value for value in range(low, high) if value != p.default)
+    at = next(value for value in (0.75, 0.5) if low + value * (high - low) != p.default)
+    value = float(np.float32(low + at * (high - low)))
+    return (value,) * p.array_length if p.is_array else value
+
+
+def test_read_as_set():
+    """Every property of ours can be read, by scripts that walk through them all, and says what was set."""
+    scene = bpy.context.scene
+    tree = common.metal("read")[1]
+    owners = [tree.nodes.new(f"Libshade{kind}Node") for kind in ("Metal", "Fabric", "Scratches")]
+    for owner in (*owners, scene.libshade, scene.view_layers[0].libshade):
+        for name in dir(owner):
+            getattr(owner, name)
+        ours = [p for p in owner.bl_rna.properties if p.identifier in type(owner).__annotations__]
+        assert len(ours) == len(type(owner).__annotations__)
+        for p in ours:
+            value = another(p)
+            setattr(owner, p.identifier, value)
+            told = getattr(owner, p.identifier)
+            told = tuple(told) if hasattr(value, "__len__") and not isinstance(value, str) else told
+            # a logarithm is of the number that is kept
+            assert np.allclose(told, value, atol=1e-5) if p.type == "FLOAT" else told == value, (owner, p.identifier, told)
+    fresh = tree.nodes.new("LibshadeMetalNode"), tree.nodes.new("LibshadeScratchesNode")
+    for owner, word in zip(fresh, ("BRUSHED_GOLD", "FINE_POLISH")):
+        assert owner.preset == ""
+        owner.preset = word.title().replace("_", " ")
+        assert owner.preset == word
+
+
 def test_disable_and_enable():
     """Switching the add-on off and on with a rendered node in the file; Blender must survive."""
     material, _tree, _node = common.metal("again")
@@ -625,6 +667,7 @@ test_metals()
 test_panels_and_menus()
 test_linked(blend)
 test_manual()
+test_read_as_set()
 test_disable_and_enable()
 assert manual_of("bpy.types.LibshadeMetalNode.grain") is None  # disabled
 print("all asserted")
