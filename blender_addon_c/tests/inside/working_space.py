@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a file's working space makes of colours that are not its own: working_space.py SPACE FOLDER. Writes shown_ENGINE.exr,
-strips side by side that shine as nodes say; lit_ENGINE.exr, films and a lamp below a sky; preset_SPACE.exr, a row of
-presets in white light, by our engine, in Rec. 709 and in SPACE. FOLDER/draft.wif: a draft of colours."""
+"""What a file's working space makes of colours that are not its own: working_space.py SPACE FOLDER. Writes
+shown_ENGINE.exr, strips side by side that shine as nodes say; lit_ENGINE.exr, two films in front of a sky and beside a lamp;
+preset_SPACE.exr, presets in white light by our engine, in Rec. 709 and in SPACE. FOLDER/draft.wif: a draft of colours."""
 
 import os
 import sys
@@ -104,9 +104,9 @@ def shown():
 
 
 def lit():
-    scene = begin(72, 48, 64, space)
+    scene = begin(48, 32, 512, space)
     scene.libshade.max_bounces = scene.cycles.max_bounces = 2
-    common.camera(scene, (0, -9, 3), (1.3, 0, 0))
+    common.camera(scene, (0, -8, 0), (1.6, 0, 0))
     tree = scene.world.node_tree
     sky = tree.nodes.new("ShaderNodeTexSky")
     sky.sun_elevation, sky.sun_rotation, sky.sun_disc = 0.2, 2.0, False
@@ -115,23 +115,22 @@ def lit():
     lamp = common.light(scene, "POINT", 300, 0.5, location=(2, -2, 2)).data
     lamp.use_temperature, lamp.temperature = True, 2500
     lamp.color = (0.8, 1, 0.9)
-    for x, settings in enumerate(({}, {"Metallic": 1.0, "Thin Film Thickness": 350.0}, {"Thin Film Thickness": 500.0},
-                                  {"Transmission Weight": 1.0, "Thin Film Thickness": 420.0})):
+    for x, metallic, thickness in ((-1, 1.0, 350.0), (1, 0.0, 500.0)):
         material = bpy.data.materials.new("film")
         shader = material.node_tree.nodes["Principled BSDF"]
         shader.inputs["Base Color"].default_value = (0.8, 0.7, 0.6, 1)
-        for key, value in {"Roughness": 0.3, **settings}.items():
+        for key, value in {"Roughness": 0.3, "Metallic": metallic, "Thin Film Thickness": thickness}.items():
             shader.inputs[key].default_value = value
-        bpy.ops.mesh.primitive_uv_sphere_add(location=(2.2 * (x - 1.5), 0, 0))
+        bpy.ops.mesh.primitive_uv_sphere_add(location=(1.2 * x, 0, 0))
         common.smooth(common.added(material).data)
     both(scene, "lit")
 
 
 def presets(working_space):
-    scene = begin(96, 32, 16, working_space)
+    scene = begin(80, 16, 16, working_space)
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
-    common.camera(scene, (0, 0, 4), type="ORTHO", ortho_scale=6)
-    for x, word in enumerate(("BRUSHED_GOLD", "BRUSHED_COPPER", "DENIM", "SILK_SHANTUNG", "WOOL_FLANNEL", "LINEN")):
+    common.camera(scene, (0, 0, 4), type="ORTHO", ortho_scale=5)
+    for x, word in enumerate(("BRUSHED_GOLD", "BRUSHED_COPPER", "DENIM", "WOOL_FLANNEL", "LINEN")):
         if word.startswith("BRUSHED"):
             material, _tree, node = common.metal(word)
         else:
@@ -144,7 +143,7 @@ def presets(working_space):
         if word == "LINEN":
             module = sys.modules[f"{common.MODULE}.fabric.draft"]
             module.import_wif(node, os.path.join(folder, "draft.wif"))
-        bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5, location=(x - 2.5, 0, 0))
+        bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5, location=(x - 2, 0, 0))
         common.smooth(common.added(material).data)
     common.render(os.path.join(folder, f"preset_{working_space.split()[-1]}.exr"))
 
