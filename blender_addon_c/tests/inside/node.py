@@ -112,11 +112,11 @@ def test_grain(node):
         assert (inner["Tangent"].direction_type, inner["Tangent"].axis) == ("RADIAL", axis)
         assert source.links[0].from_node == inner["Tangent"]
         node.grain = f"AXIS_{axis}"
-        vector = tuple(inner["Axis"].inputs[0].default_value)
+        vector = tuple(inner["Axis"].inputs["Vector"].default_value)
         assert source.links[0].from_node == inner["Axis"] and vector["XYZ".index(axis)] == 1 == round(sum(vector), 2)
     node.grain, node.uv_map = "UV", "other"
     assert source.links[0].from_node == inner["Mapless"] and inner["Tangent"].uv_map == inner["UV Map"].uv_map == "other"
-    assert tuple(inner["Axis"].inputs[0].default_value)[0] == 1  # of a mesh without it
+    assert tuple(inner["Axis"].inputs["Vector"].default_value)[0] == 1  # of a mesh without it
     for response in ("IGNORE", "FOLLOW"):
         node.bump_response = response
         assert inner["Groove"].inputs["Normal"].is_linked == (response == "FOLLOW")

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a file's working space makes of colours that are not its own: working_space.py SPACE FOLDER. Writes
 shown_ENGINE.exr, strips side by side that shine as nodes say; lit_ENGINE.exr, two films in front of a sky and beside a lamp;
-preset_SPACE.exr, presets in white light by our engine, in Rec. 709 and in SPACE. FOLDER/draft.wif: a draft of colours."""
+preset_SPACE.exr, presets in white light by our engine, in Rec. 709 and in SPACE, and appended.exr, those of the former file
+in the latter space. FOLDER/draft.wif: a draft of colours."""
 
 import os
 import sys
@@ -126,10 +127,15 @@ def lit():
     both(scene, "lit")
 
 
-def presets(working_space):
+def row_of_five(working_space):
     scene = begin(80, 16, 16, working_space)
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
     common.camera(scene, (0, 0, 4), type="ORTHO", ortho_scale=5)
+    return scene
+
+
+def presets(working_space):
+    row_of_five(working_space)
     for x, word in enumerate(("BRUSHED_GOLD", "BRUSHED_COPPER", "DENIM", "WOOL_FLANNEL", "LINEN")):
         if word.startswith("BRUSHED"):
             material, _tree, node = common.metal(word)
@@ -148,9 +154,21 @@ def presets(working_space):
     common.render(os.path.join(folder, f"preset_{working_space.split()[-1]}.exr"))
 
 
+def appended():
+    path = os.path.join(folder, "presets.blend")
+    presets("Linear Rec.709")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    scene = row_of_five(space)
+    with bpy.data.libraries.load(path) as (there, wanted):
+        wanted.objects = [name for name in there.objects if name.startswith("Sphere")]
+    for ob in wanted.objects:
+        scene.collection.objects.link(ob)
+    common.render(os.path.join(folder, "appended.exr"))
+
+
 shown()
 lit()
-for one in ("Linear Rec.709", space):
-    presets(one)
+appended()
+presets(space)
 print("done")
 common.finish()
