@@ -10,7 +10,7 @@ export BLENDER
 demo: $(DEMO)/agreed
 	@cat $(DEMO)/table.txt
 
-SUZANNE := $(wildcard examples/blender/suzanne/*.py)
+SUZANNE := $(wildcard examples/blender/suzanne/*.py examples/blender/parts.py)
 $(DEMO)/suzanne.blend: $(SUZANNE) $(BLENDER_READY)
 	@mkdir -p $(@D)
 	@echo "Building the scene $@"

@@ -8,15 +8,15 @@ import pytest
 
 from blender_runs import ROOT, read_picture
 
-COST = 10
+COST = 8
 
 # Linear Rec. 709 and D65 to ACEScg (ACES primaries AP1, white of ACES, Bradford).
 ACESCG = np.array([[0.613097, 0.339523, 0.047379], [0.070194, 0.916354, 0.013452], [0.020616, 0.109570, 0.869815]])
 
 
 @pytest.fixture
-def blender(blender50):
-    return blender50
+def blender(blender_new):
+    return blender_new
 
 
 def seen(path):

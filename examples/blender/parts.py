@@ -1,19 +1,36 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the scenes share: turned bodies, materials of sockets, Blender's studio skies, a camera, the picture."""
+import importlib
 import math
 import os
 import sys
 
+import addon_utils
 import bpy
 import numpy as np
 from mathutils import Vector
 
 
 def begin():
-    """An empty file with the add-on in it."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.preferences.addon_enable(module="libshade")
+    """An empty file; the add-on is on."""
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)  # add-ons stay as they are
+    name = _addon()
+    if name not in bpy.context.preferences.addons:
+        bpy.ops.preferences.addon_enable(module=name)
     return bpy.context.scene
+
+
+def _addon():
+    """What it is called: an extension, or a folder of scripts."""
+    found = [module.__name__ for module in addon_utils.modules() if module.__name__.split(".")[-1] == "libshade"]
+    if not found:
+        sys.exit("libshade is not there: install its zip, or set BLENDER_USER_SCRIPTS=build/blender after `make blender`")
+    return found[0]
+
+
+def of_addon(name):
+    """A module of it."""
+    return importlib.import_module(f"{_addon()}.{name}")
 
 
 def material(name, kind):

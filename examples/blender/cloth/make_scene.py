@@ -7,8 +7,12 @@
 import math
 import os
 import sys
+from pathlib import Path
 
 import bpy
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import parts  # noqa: E402
 
 CLOTHS = ("SILK_CHARMEUSE", "DENIM", "SHOT_TAFFETA", "HERRINGBONE_TWEED", "LINEN")
 WIDTH, HEIGHT, STEPS = 0.8, 1.6, 192  # of each, metres as it hangs
@@ -77,9 +81,7 @@ def lamp(power, place, turn, size):
 
 
 def build(near):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.preferences.addon_enable(module="libshade")
-    scene = bpy.context.scene
+    scene = parts.begin()
     data = bpy.data.cameras.new("camera")
     camera = bpy.data.objects.new("camera", data)
     size = 0.012

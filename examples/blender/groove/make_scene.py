@@ -7,10 +7,14 @@ Libshade Groove's *Tangent*, its *Strokes Across*, displaced.
 """
 import math
 import sys
+from pathlib import Path
 
 import bpy
 import numpy as np
 from mathutils import Vector
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import parts  # noqa: E402
 
 SLOPE, PERIODS, QUADS, TEXELS = 0.5, 2, 300, 512
 
@@ -91,9 +95,7 @@ def keeps_lines(name, image):
 
 
 def main(picture, across):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.preferences.addon_enable(module="libshade")
-    scene = bpy.context.scene
+    scene = parts.begin()
     image = normal_map()
     follows = plate("follows", 1)
     follows.data.materials.append(brushed("follows", image))

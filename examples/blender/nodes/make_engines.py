@@ -32,8 +32,7 @@ def brass():
 
 
 def scratched():
-    from libshade import scratches  # what the add-on is now: begin() enables it anew
-
+    scratches = parts.of_addon("scratches")
     made = parts.metal("steel", (0.62, 0.60, 0.58), 0.3)
     tree = made.node_tree
     node = tree.nodes.new(scratches.SCRATCHES)
@@ -53,7 +52,8 @@ def monkey(made, x):
 
 
 def rows(folder):
-    for engine in ("LIBSHADE", "CYCLES", "BLENDER_EEVEE"):
+    eevee = "BLENDER_EEVEE_NEXT" if (4, 2) <= bpy.app.version < (5, 0) else "BLENDER_EEVEE"
+    for engine in ("LIBSHADE", "CYCLES", eevee):
         path = os.path.join(folder, f"{engine}.png")
         bpy.context.scene.eevee.taa_render_samples = SAMPLES
         parts.render(path, engine, WIDE, HIGH, SAMPLES)

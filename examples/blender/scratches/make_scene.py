@@ -18,8 +18,7 @@ WIDE, LONG, THICK = 0.05, 0.11, 0.003  # metres
 
 def scratched(name, roughness, *presets):
     """Steel, scratched by one preset after the other."""
-    from libshade import scratches  # what the add-on is now: begin() enables it anew
-
+    scratches = parts.of_addon("scratches")
     made = parts.metal(name, STEEL, roughness)
     tree = made.node_tree
     shader = next(node for node in tree.nodes if node.bl_idname == "LibshadeMetalNode")

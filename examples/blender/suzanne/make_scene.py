@@ -14,8 +14,10 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+FOLDER = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = FOLDER, os.path.dirname(FOLDER)
 import bumps  # noqa: E402
+import parts  # noqa: E402
 
 STEEL = (0.60, 0.585, 0.565)
 
@@ -137,7 +139,7 @@ def add_camera(place, target, lens):
 
 def build(folder):
     """Fill the empty file with the scene; textures go to folder/textures."""
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)  # add-ons stay as they are
+    parts.begin()
     textures = os.path.join(folder, "textures")
     os.makedirs(textures, exist_ok=True)
     images = {}

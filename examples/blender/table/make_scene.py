@@ -6,8 +6,12 @@
 """
 import os
 import sys
+from pathlib import Path
 
 import bpy
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import parts  # noqa: E402
 
 STEEL, BRASS = (0.60, 0.585, 0.565), (0.91, 0.70, 0.32)
 
@@ -41,9 +45,7 @@ def body(material):
 
 
 def build():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.preferences.addon_enable(module="libshade")
-    scene, ops = bpy.context.scene, bpy.ops.mesh
+    scene, ops = parts.begin(), bpy.ops.mesh
     ops.primitive_plane_add(size=30)
     body(matt("table", (0.30, 0.17, 0.10)))
     ops.primitive_cube_add(size=1.5, location=(-2.7, 1.3, 0.75), rotation=(0, 0, 0.5))
