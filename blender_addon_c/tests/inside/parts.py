@@ -186,6 +186,21 @@ def test_the_focus_is_on_a_bone():
         assert abs(found - distance) < 1e-5, (name, found)
 
 
+def test_custom_cameras_are_named():
+    """What a program in OSL sees nothing here knows: seen in perspective, and said."""
+    if "CUSTOM" not in bpy.types.Camera.bl_rna.properties["type"].enum_items:
+        return
+    camera, told = common.camera(common.empty_scene(), (0, 0, 5)), []
+    for kind in ("PERSP", "CUSTOM"):
+        camera.data.type = kind
+        messages = module("export.messages").Messages()
+        seen = module("export.camera").camera_of(camera, bpy.context.evaluated_depsgraph_get(), (64, 48), messages)
+        told.append((seen, list(messages.warnings)))
+    (plain, nothing), (custom, warned) = told
+    assert custom == plain and plain["type"] == "PERSP" and not nothing
+    assert warned == ["camera 'camera': custom (OSL) cameras are not supported; seen in perspective"], warned
+
+
 def test_slubs_in_cycles():
     """A yarn of half its width has its picture over half of its crossing; place and crossing of a plain map."""
     scene = common.empty_scene(64, 4, samples=1)
