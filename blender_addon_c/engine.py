@@ -103,7 +103,8 @@ class LibshadeEngine(bpy.types.RenderEngine):
         pictures, exposure = {}, export.exposure_of(depsgraph.scene)
         path, only = ("", False) if self.is_preview else saved.place_of(depsgraph, result.view)
         if path:
-            saved.write(path, depsgraph.view_layer.name, scene, passes, exposure, _others(scene, passes, depsgraph.view_layer, exposure))
+            saved.write(path, depsgraph.view_layer.name, scene, passes, exposure, _others(scene, passes, depsgraph.view_layer, exposure),
+                        mattes.fields(depsgraph.view_layer.name))
         if only:
             return
         apart = any(p.plane == export.CATCHER for p in passes)

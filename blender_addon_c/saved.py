@@ -21,15 +21,16 @@ def place_of(depsgraph, view):
     return "-".join(parts) + end if path else "", bool(_chosen)
 
 
-def write(path, layer, scene, passes, exposure, others):
-    """passes: export's, of the scene; others: (scene, pass, its channels, exposure) of each that is a picture of its own."""
+def write(path, layer, scene, passes, exposure, others, texts):
+    """passes: export's, of the scene; others: (scene, pass, its channels, exposure) of each that is a picture of its own; texts:
+    of the rendered file's header."""
     if scene["catchers"]["seen"]:
         raise export.SceneError("a scene with shadow catchers cannot be saved")
     main = [("Combined", "RGBA", "", exposure)]
     main += [(p.name, p.channels, p.plane, exposure if export.is_light(p) else 1.0) for p in passes
              if p.plane not in (export.AOV, export.CATCHER)]
     try:
-        scene_file.write(path, layer, [(scene, main), *((view, [(name, channels, "", by)]) for view, name, channels, by in others)])
+        scene_file.write(path, layer, [(scene, main), *((view, [(name, channels, "", by)]) for view, name, channels, by in others)], texts)
     except (OSError, ValueError) as error:
         raise export.SceneError(f"the scene cannot be saved: {error}") from error
 

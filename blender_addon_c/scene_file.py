@@ -14,14 +14,15 @@ _MAGIC = b"shscene\n"
 _OURS = {"aovs", "aov_reach", "by_camera", "catchers", "group", "dump"}
 
 
-def write(path, layer, pictures):
-    """pictures: (scene, as the native module takes it, [(pass, channels, plane, exposure)]) of each that is rendered by itself.
+def write(path, layer, pictures, texts=()):
+    """pictures: (scene, as the native module takes it, [(pass, channels, plane, exposure)]) of each that is rendered by itself. texts: (name, text) of what the rendered file's header is to say.
     ValueError: a number is not finite."""
     arrays = _Arrays()
     told = [{"layer": layer, "passes": [dict(zip(("name", "channels", "plane", "exposure"), one)) for one in passes],
              "scene": {key: value for key, value in scene.items() if key not in _OURS}} for scene, passes in pictures]
+    said = json.dumps([{"name": name, "text": text} for name, text in texts], ensure_ascii=False)
     text = json.dumps(told, default=arrays.told, allow_nan=False, ensure_ascii=False)
-    put(path, f'{{"version": {_VERSION}, "pictures": {text}, "arrays": {json.dumps(arrays.listed)}}}', arrays.kept)
+    put(path, f'{{"version": {_VERSION}, "texts": {said}, "pictures": {text}, "arrays": {json.dumps(arrays.listed)}}}', arrays.kept)
 
 
 def put(path, text, arrays):

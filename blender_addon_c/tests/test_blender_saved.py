@@ -5,6 +5,7 @@ import json
 import os
 
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 
 from blender_runs import ROOT
@@ -16,6 +17,11 @@ COST = 11
 EXAMPLES = ROOT / "examples/blender"
 # in make soak all but the drape, which takes minutes to make
 NAMES = ["pan", "table"] + (["bolts", "cloth", "dial", "groove", "jacket", "scratches", "suzanne"] if "BOTH" in os.environ else [])
+
+
+def names_in(path):
+    """What a file's header says of Cryptomatte."""
+    return {field.name: field.value for field in oiio.ImageBuf(str(path)).spec().extra_attribs if field.name.startswith("cryptomatte/")}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -30,6 +36,8 @@ def test_an_example_is_rendered_as_in_blender(blender_old, tmp_path, name):
     assert len(whole) > 100 and np.ptp(whole["ViewLayer.Combined.R"]) > 0
     for threads in (1, 2, 3):
         assert_same(made(tmp_path, path, "--threads", threads), whole)
+    names = names_in(tmp_path / "ours.exr")
+    assert names == names_in(tmp_path / "saved.exr") and len(names) == 12 and all(names.values())
     for x, y, width, height in ((0, 0, 23, 17), (23, 0, 41, 17), (0, 17, 64, 23)):
         tile = made(tmp_path, path, "--tile", f"{x},{y},{width},{height}")
         assert_same(tile, {name: np.ascontiguousarray(pixels[y:y + height, x:x + width]) for name, pixels in whole.items()})

@@ -305,17 +305,27 @@ static int write_sheet(const options *o, const shade_image_spec *spec, const she
 
 static int save(const options *o, const scene *s, scene_file *f, sheet *to) {
   const int within[] = {to->region[0], s->height - to->region[3], s->width, s->height};
+  shade_image_text *texts = malloc((f->texts + 1) * sizeof *texts);
+  if (!texts)
+    return complain("%s: out of memory", o->scene);
+  for (size_t k = 0; k < f->texts; k++)
+    texts[k] = (shade_image_text){f->text[k].name, f->text[k].text};
   const shade_image_spec spec = {.width = (int)to->width,
                                  .height = (int)to->height,
                                  .channels = (int)to->channels,
                                  .names = (const char *const *)to->name,
                                  .type = SHADE_IMAGE_FLOAT,
-                                 .within = within};
+                                 .within = within,
+                                 .texts = texts,
+                                 .text_count = f->texts};
   char error[512];
-  if (shade_whole_write(o->output, NULL, 0, error, sizeof error) != 0)
-    return complain("%s: %s", o->output, error);
-  int status = render_all(o, f, to);
-  return status == TOOL_DONE ? write_sheet(o, &spec, to) : status;
+  int status = shade_whole_write(o->output, NULL, 0, error, sizeof error) == 0
+                   ? render_all(o, f, to)
+                   : complain("%s: %s", o->output, error);
+  if (status == TOOL_DONE)
+    status = write_sheet(o, &spec, to);
+  free(texts);
+  return status;
 }
 
 static int render_file(const options *o, scene_file *f) {

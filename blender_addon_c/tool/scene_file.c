@@ -75,6 +75,12 @@ static bool read_pass(reader *r, void *out, void *context) {
          reader_number_within(r, "exposure", -1e30, 1e30, &p->exposure);
 }
 
+static bool read_text(reader *r, void *out, void *context) {
+  scene_text *t = out;
+  (void)context;
+  return reader_text(r, "name", NULL, &t->name) && reader_text(r, "text", NULL, &t->text);
+}
+
 static bool read_scene(reader *r, void *out, void *context) {
   scene **made = out;
   (void)context;
@@ -101,6 +107,8 @@ static bool read_header(scene_file *f, const json *header) {
   if (header->type != JSON_OBJECT)
     return fail(f, "its header must be an object");
   if (!reader_integer(&r, "version", VERSION, VERSION, &version) ||
+      (reader_has(&r, "texts") &&
+       !reader_each(&r, "texts", sizeof *f->text, &f->texts, &f->text, read_text, NULL)) ||
       !reader_each(&r, "arrays", sizeof *f->array, &f->arrays, &f->array, read_array, &end))
     return false;
   if (end != f->array_bytes)
@@ -169,6 +177,11 @@ void scene_file_close(scene_file *f) {
     free(p->layer);
     scene_free(p->scene);
   }
+  for (size_t k = 0; k < f->texts; k++) {
+    free(f->text[k].name);
+    free(f->text[k].text);
+  }
+  free(f->text);
   free(f->picture);
   free(f->array);
   if (f->map)

@@ -6,12 +6,13 @@
  *   the header: JSON in UTF-8, spaces behind it until its end is a multiple of 64
  *   arrays: each begins at a multiple of 64, zeros behind it; the file ends with the last
  *
- * The header is {"version", "pictures", "arrays"}. A picture has a `scene`, which is what the
- * native module's start() takes, where {"array": k} stands for what is a buffer there; a `layer`;
- * and `passes`, each with a `name`, `channels`, a letter each, the `plane` that it shows (a word of
- * the module's image()) and the `exposure` that its first three are multiplied by. An array has a
- * `type` (NumPy's word), a `shape`, an `offset` in the file behind the header, and a `checksum`:
- * the CRC-32 of its bytes and of the zeros behind them.
+ * The header is {"version", "texts", "pictures", "arrays"}. `texts`, which may be missing, are what
+ * the rendered file's header is to say: each a `name` and a `text`. A picture has a `scene`, which
+ * is what the native module's start() takes, where {"array": k} stands for what is a buffer there;
+ * a `layer`; and `passes`, each with a `name`, `channels`, a letter each, the `plane` that it shows
+ * (a word of the module's image()) and the `exposure` that its first three are multiplied by. An
+ * array has a `type` (NumPy's word), a `shape`, an `offset` in the file behind the header, and a
+ * `checksum`: the CRC-32 of its bytes and of the zeros behind them.
  */
 #ifndef LIBSHADE_SCENE_FILE_H
 #define LIBSHADE_SCENE_FILE_H
@@ -34,7 +35,13 @@ typedef struct scene_picture {
   scene_pass *pass;
 } scene_picture;
 
+typedef struct scene_text {
+  char *name, *text;
+} scene_text;
+
 typedef struct scene_file {
+  size_t texts;
+  scene_text *text;
   size_t pictures; /* all as large, of the same region; at least one */
   scene_picture *picture;
   struct scene_array *array; /* what the rest is for the reader alone */

@@ -36,6 +36,10 @@ typedef enum shade_image_type {
 
 enum { SHADE_IMAGE_MAX_SIDE = 65536, SHADE_IMAGE_MAX_CHANNELS = 256 };
 
+typedef struct shade_image_text {
+  const char *name, *text;
+} shade_image_text;
+
 typedef struct shade_image_spec {
   int width, height;        /* 1 to SHADE_IMAGE_MAX_SIDE */
   int channels;             /* EXR: 1 to SHADE_IMAGE_MAX_CHANNELS; PNG: 1 grey, 3 RGB, 4 RGBA */
@@ -45,6 +49,8 @@ typedef struct shade_image_spec {
   const char *note; /* what the picture is (EXR `comments`, PNG `Comment`), or NULL */
   const int
       *within; /* EXR: of what it is a part: x, y, and the width and height of that; NULL: all */
+  const shade_image_text *texts; /* EXR: more of its header, until opened */
+  size_t text_count;
 } shade_image_spec;
 
 typedef struct shade_image_writer shade_image_writer;

@@ -54,6 +54,8 @@ static exr_result_t write_header(shade_image_writer *w, exr_context_t context) {
                            EXR_PERCEPTUALLY_LINEAR, 1, 1);
   if (code == EXR_ERR_SUCCESS && s->note)
     code = exr_attr_set_string(context, 0, "comments", s->note);
+  for (size_t i = 0; code == EXR_ERR_SUCCESS && i < s->text_count; i++)
+    code = exr_attr_set_string(context, 0, s->texts[i].name, s->texts[i].text);
   return code == EXR_ERR_SUCCESS ? exr_write_header(context) : code;
 }
 
