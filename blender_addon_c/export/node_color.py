@@ -35,7 +35,7 @@ ARCTAN2 SINH COSH TANH RADIANS DEGREES""".split())
 # Of the Vector Math node, to operations on each part.
 _EACH = {**{name: name for name in ("ADD", "SUBTRACT", "MULTIPLY", "DIVIDE", "MULTIPLY_ADD", "FLOOR",
                                     "CEIL", "MODULO", "WRAP", "SNAP", "MINIMUM", "MAXIMUM", "SINE",
-                                    "COSINE", "TANGENT", "POWER", "SIGN")},
+                                    "COSINE", "TANGENT", "POWER", "SIGN", "ROUND")},
          "FRACTION": "FRACT", "ABSOLUTE": "ABSOLUTE"}
 
 

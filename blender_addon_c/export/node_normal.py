@@ -28,7 +28,7 @@ def _normal_map_of(reader, found, strength, mixed=1.0):
     node = found.node
     if node.space != "TANGENT":
         return _normal_of_space(reader, found, strength)
-    own = reader.is_main(node.uv_map)
+    own, down = reader.is_main(node.uv_map), _points_down(node)
     color = tree.trace(node.inputs["Color"], found.groups)
     if color.node and color.node.type == "TEX_IMAGE" and color.output.name == "Color":
         _check_normal_image(reader, color.node.image)
@@ -40,18 +40,31 @@ def _normal_map_of(reader, found, strength, mixed=1.0):
         at = place(reader, color.node.inputs["Vector"], color.groups)
         if (own and at is None and image >= 0 and is_known(strength) and not is_cubic(color.node) and is_plain(color.node)
                 and not reader.images.points_down(image)):
-            normal = reader.program.emit("NORMAL_MAP", image=image, strength=strength)
+            normal = _across(reader, reader.program.emit("NORMAL_MAP", image=image, strength=strength), down)
             if reader.filters:
                 *mean, x, y = reader.program.emit("NORMAL_MAP", 5, image=image, strength=strength, filtered=True)
-                reader.filtered[normal[0]] = mean, (x, y)
+                reader.filtered[normal[0]] = _across(reader, mean, down), (x, y)
             return Value("NORMAL", normal)
     elif color.node is None:
         reader.warn(f"'{node.name}' has no image")
     tangent = {} if own else {"tangent": layer(reader, "TANGENT", node.uv_map)}
-    given = {"color": vector_in(reader, found, "Color"), "strength": [strength], **tangent}
+    color = vector_in(reader, found, "Color")
+    if down:
+        color = (color[0], reader.program.math("SUBTRACT", 1.0, color[1]), color[2])
+    given = {"color": color, "strength": [strength], **tangent}
     normal = reader.program.emit("PERTURB", **given)
     reader.below[normal[0]] = reader.program.emit("PERTURB", below=True, **given)
     return Value("NORMAL", normal)
+
+
+def _points_down(node):
+    """Is a map's green down, not up? Can be chosen from 5.1 on."""
+    return getattr(node, "convention", "OPENGL") == "DIRECTX"
+
+
+def _across(reader, normal, turned):
+    """A normal in the shading frame, whose y may be turned round."""
+    return [normal[0], reader.program.math("MULTIPLY", normal[1], -1.0), normal[2]] if turned else normal
 
 
 def _normal_of_space(reader, found, strength):

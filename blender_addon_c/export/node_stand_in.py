@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that tell of particles and hair. Where there are none they say what they say in Cycles."""
+"""Nodes that tell of particles and hair, which say what they say in Cycles where there are none, and of which time and item it is."""
 
-from . import strands
+from . import strands, tree
 from .node_place import layer
 
 _RANDOM = float(strands.by_chance(0))  # of no particle [Cycles 3.4, 5.0]
@@ -27,4 +27,13 @@ def _hair_info(reader, found):
     return (0.0,) * (3 if found.output.type == "VECTOR" else 1)
 
 
-NODES = {"PARTICLE_INFO": _particle_info, "HAIR_INFO": _hair_info}
+def _told(reader, found, number):
+    """Of nodes that choose, what tree says."""
+    if number is None:
+        reader.warn(f"'{found.node.name}' ({found.output.name}): what it depends on differs from place to place; 0")
+    return (float(number or 0),)
+
+
+NODES = {"PARTICLE_INFO": _particle_info, "HAIR_INFO": _hair_info,
+         "REPEAT_INPUT": lambda reader, found: _told(reader, found, tree.iteration(found)),
+         "MENU_SWITCH": lambda reader, found: _told(reader, found, tree.is_item(found))}

@@ -10,10 +10,13 @@ import bpy
 from .. import versions
 
 # Where a socket's links lead: the last input on the way (its value counts when nothing feeds
-# it), and the node and output that feed it, or None.
+# it), and the node and output that feed it, or None. groups: of nodes and turns, from without.
 Source = namedtuple("Source", "socket node output groups")
+# Of a zone that repeats, among the groups around: its last node, and which time it is.
+Turn = namedtuple("Turn", "node number")
 
 _MOST_STEPS = 10000  # from one socket to what feeds it; more go round in a circle
+_MOST_TURNS = 1000  # of a zone: each makes nodes of its own
 # Of Python's calls inside each other while graphs are read: some thousand nodes, each of which feeds
 # the next, and little enough for the stack of a thread.
 _MOST_CALLS = 8000
@@ -31,8 +34,8 @@ def deep():
 
 
 def trace(socket, groups=()):
-    """Follow a socket through reroutes, muted nodes and groups; `groups` are the nodes around. Sockets that a node has for
-    another kind keep links that count for nothing."""
+    """Follow a socket through reroutes, muted nodes, groups, switches whose choice is known, and zones that repeat; `groups` are
+    the nodes around. Sockets that a node has for another kind keep links that count for nothing."""
     for _ in range(_MOST_STEPS):
         link = next((l for l in socket.links if l.is_valid and not l.is_muted and l.from_socket.enabled and l.to_socket.enabled), None)
         if not link:
@@ -57,9 +60,93 @@ def _through(node, output, groups):
         inner = next((n for n in node.node_tree.nodes
                       if n.type == "GROUP_OUTPUT" and n.is_active_output), None)
         return (_twin(inner.inputs, output) if inner else None), (*groups, node)
-    if node.type == "GROUP_INPUT" and groups:
-        return _twin(groups[-1].inputs, output), groups[:-1]
-    return None, groups
+    if node.type == "GROUP_INPUT":
+        while groups and isinstance(groups[-1], Turn):
+            groups = groups[:-1]
+        return (_twin(groups[-1].inputs, output), groups[:-1]) if groups else (None, groups)
+    return _CHOICES[node.type](node, output, groups) if node.type in _CHOICES else (None, groups)
+
+
+# ---- nodes that pass on one of their inputs, as _through
+
+
+def _menu_switch(node, output, groups):
+    """Its other outputs say which item it is."""
+    chosen = known(node.inputs["Menu"], groups)
+    items = [item.name for item in node.enum_items]
+    if output.identifier != "Output" or chosen not in items:
+        return None, groups
+    return node.inputs[1 + items.index(chosen)], groups
+
+
+def _switch(node, _output, groups):
+    chosen = known(node.inputs["Switch"], groups)
+    return (None if chosen is None else node.inputs[2 if chosen else 1]), groups
+
+
+def _index_switch(node, _output, groups):
+    chosen = known(node.inputs["Index"], groups)
+    items = len(node.index_switch_items)
+    return (node.inputs[1 + int(chosen)] if chosen is not None and 0 <= chosen < items else None), groups
+
+
+def _repeat_output(node, output, groups):
+    first = _first_of(node)
+    times = known(first.inputs["Iterations"], groups) if first else None
+    if times is None or times > _MOST_TURNS:
+        return None, groups
+    return _before(node, first, output, groups, int(times))
+
+
+def _repeat_input(node, output, groups):
+    last, within = node.paired_output, groups
+    while within and isinstance(within[-1], Turn) and within[-1].node != last:  # of zones inside
+        within = within[:-1]
+    if output.identifier == "Iteration" or not (within and isinstance(within[-1], Turn)):
+        return None, groups
+    return _before(last, node, output, within[:-1], within[-1].number)
+
+
+def _before(last, first, output, groups, number):
+    """What a zone's item is before that turn."""
+    if number <= 0:
+        return _twin(first.inputs, output), groups
+    return _twin(last.inputs, output), (*groups, Turn(last, number - 1))
+
+
+def _first_of(last):
+    return next((node for node in last.id_data.nodes if node.type == "REPEAT_INPUT" and node.paired_output == last), None)
+
+
+_CHOICES = {"MENU_SWITCH": _menu_switch, "SWITCH": _switch, "INDEX_SWITCH": _index_switch,
+            "REPEAT_OUTPUT": _repeat_output, "REPEAT_INPUT": _repeat_input}
+
+
+def known(socket, groups):
+    """A number or a text that is the same everywhere, as far as nodes tell by themselves, else None."""
+    found = trace(socket, groups)
+    node = found.node
+    if node is None:
+        return getattr(found.socket, "default_value", None)
+    if node.type == "VALUE":
+        return found.output.default_value
+    if node.type == "REPEAT_INPUT":
+        return iteration(found)
+    if node.type == "MENU_SWITCH" and found.output.identifier != "Output":
+        return is_item(found)
+    return None
+
+
+def iteration(found):
+    """Which time it is in a zone, where its node is asked for that, else None."""
+    turn = next((turn for turn in reversed(found.groups) if isinstance(turn, Turn)), None)
+    return turn.number if turn and found.output.identifier == "Iteration" and turn.node == found.node.paired_output else None
+
+
+def is_item(found):
+    """Is the item of that output what a Menu Switch chooses? None: who knows."""
+    chosen = known(found.node.inputs["Menu"], found.groups)
+    return None if chosen is None else float(chosen == found.output.name)
 
 
 def _twin(sockets, socket):
