@@ -6,7 +6,7 @@ from . import tree
 from .closure_add import WHITE, add, is_bright, normal_in, times
 from .closure_film import film_of, tinted
 from .closure_groove import drawn_out, in_frame, pulled, rotated, stretched, tangent
-from .closure_lobe import LOBES, Lobe, alpha_of, apart, keeps_all, mean_of, metal_closure
+from .closure_lobe import GGX, LOBES, Lobe, alpha_of, apart, keeps_all, mean_of, metal_closure
 from .node_place import along_axis, round_tangent, tangent_of_map
 from .value import clamped, color_of
 
@@ -80,7 +80,7 @@ def metallic(reader, node, groups, share):
     lobe = Lobe(reader, alpha, normal)
     if keeps_all(node, alpha):
         share = times(reader, lobe.kept(_means(reader, head_on, lost)), share)
-    made = metal_closure({**LOBES[node.distribution], **settings}, alpha=alphas, groove=groove, **parts)
+    made = metal_closure({**LOBES.get(node.distribution, GGX), **settings}, alpha=alphas, groove=groove, **parts)
     add(reader, made | film, share, normal, tuple(map(lobe.albedo, head_on)))
 
 

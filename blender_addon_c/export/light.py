@@ -206,6 +206,7 @@ def _strength(light, matrix, table, messages):
 def _shine(light, matrix, table, messages):
     """(what its nodes make of it: a colour, and a pattern or None; does it ask where the object is?)"""
     own, owner = tree.of(light), f"light '{light.name}'"
+    table.unknown.name(own, lambda text: messages.warning(f"{owner}: {text}"))
     shader = tree.shader_of(own)
     if not shader or not shader.node:
         return ((0.0,) * 3, None), False

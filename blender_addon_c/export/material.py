@@ -15,6 +15,7 @@ from .closure_matt import plain
 from .closure_principled import of_no_material
 from .graph import Program, TooLarge
 from .image import Images
+from .known import Unknown
 from .layers import Layers
 from .node import NODES
 from .node_normal import displaced
@@ -42,6 +43,7 @@ class Table:
         self.materials, self.images, self.layers = [], Images(messages, depsgraph.scene.frame_current, kept), Layers()
         self.kept, self.shines = kept, {}  # by lamp
         self.cloths, self.scratches = [], []
+        self.unknown = Unknown()
         self.transport = settings.groove_transport  # do grooves go with bumps?
         self.averages = settings.texture_blur > 0  # are images averaged?
         # do bumps of normal maps become roughness? A dump holds points, as they are shaded then
@@ -170,6 +172,7 @@ class Reader:
                  "pass_index": self.pass_index}
         own = tree.of(material) if material else None
         if own:
+            self._table.unknown.name(own, self.warn, bool(self._table.aovs))
             try:
                 return {**about, **self._of_nodes(own)}
             except (TooLarge, RecursionError) as error:

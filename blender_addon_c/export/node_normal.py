@@ -48,10 +48,7 @@ def _normal_map_of(reader, found, strength, mixed=1.0):
     elif color.node is None:
         reader.warn(f"'{node.name}' has no image")
     tangent = {} if own else {"tangent": layer(reader, "TANGENT", node.uv_map)}
-    color = vector_in(reader, found, "Color")
-    if down:
-        color = (color[0], reader.program.math("SUBTRACT", 1.0, color[1]), color[2])
-    given = {"color": color, "strength": [strength], **tangent}
+    given = {"color": _color_of(reader, found), "strength": [strength], **tangent}
     normal = reader.program.emit("PERTURB", **given)
     reader.below[normal[0]] = reader.program.emit("PERTURB", below=True, **given)
     return Value("NORMAL", normal)
@@ -62,6 +59,12 @@ def _points_down(node):
     return getattr(node, "convention", "OPENGL") == "DIRECTX"
 
 
+def _color_of(reader, found):
+    """Whose green is up."""
+    x, y, z = vector_in(reader, found, "Color")
+    return (x, reader.program.math("SUBTRACT", 1.0, y), z) if _points_down(found.node) else (x, y, z)
+
+
 def _across(reader, normal, turned):
     """A normal in the shading frame, whose y may be turned round."""
     return [normal[0], reader.program.math("MULTIPLY", normal[1], -1.0), normal[2]] if turned else normal
@@ -69,7 +72,7 @@ def _across(reader, normal, turned):
 
 def _normal_of_space(reader, found, strength):
     """Of the world's space or the object's; on the back it is turned round."""
-    color, space = vector_in(reader, found, "Color"), found.node.space
+    color, space = _color_of(reader, found), found.node.space
     to = each(reader, "MULTIPLY_ADD", color, (2.0,) * 3, (-1.0,) * 3)
     if space.startswith("BLENDER"):
         to = (to[0], *each(reader, "MULTIPLY", to[1:], (-1.0,) * 2, (0.0,) * 2))

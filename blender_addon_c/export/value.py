@@ -10,6 +10,7 @@ from collections import namedtuple
 
 from .. import versions, working_space
 from . import tree
+from .known import understood
 
 # kind: VALUE, RGBA, VECTOR, or NORMAL, a vector in the shading frame.
 Value = namedtuple("Value", "kind parts")
@@ -97,7 +98,7 @@ def own_value(socket):
 def _value(reader, found, socket):
     node = found.node
     function = reader.nodes.get(node.type) or reader.nodes.get(node.bl_idname)  # the latter: of our own ones
-    if not function:
+    if not (function and understood(node, found.output)):
         reader.warn(f"{socket.name}: '{node.name}' ({found.output.name}) is not supported; "
                     "what feeds it is used, or the socket's own value")
         through = next((l for l in node.internal_links if l.to_socket == found.output), None)

@@ -7,6 +7,7 @@ import numpy as np
 from mathutils import Euler, Matrix
 
 from . import tree
+from .known import understood
 from .around import SEEN, Shine
 from .graph import TooLarge
 from .image import MISSING, MISSING_COLOR
@@ -33,6 +34,7 @@ def world_of(world, table, messages):
         if output and tree.trace(output.inputs["Volume"]).node:
             messages.warning(f"world '{world.name}': volumes are not supported; left out")
         reader = _Reader(world, table, messages)
+        table.unknown.name(nodes, reader.warn)
         return {**_by_way(reader, reader.read(nodes), nodes), **seen}
     except (RecursionError, TooLarge, ValueError) as error:  # or the native module has said what is wrong
         why = error if isinstance(error, ValueError) else "its nodes are too many"
@@ -130,6 +132,8 @@ class _Reader:
             if share not in (0.0, 1.0):
                 break
             found = tree.trace(sides[int(share)], found.groups)
+        if found.node and not understood(found.node, found.output):
+            raise _Richer
         return found
 
     @staticmethod
@@ -227,6 +231,8 @@ class _Reader:
         node = found.node
         if node is None:
             return Matrix.Identity(4)
+        if not understood(node, found.output):
+            raise _Richer
         if node.type == "MAPPING":
             inner = tree.trace(node.inputs["Vector"], found.groups)
             before = (self._directions(inner) if inner.node
