@@ -12,6 +12,7 @@ from .closure_groove import drawn_out
 from .closure_light import shine
 from .closure_lobe import GGX, Lobe, alpha_of, apart, eta_of, head_on_of, keeps_all, mean_of, metal_closure
 from .closure_matt import fibres, matt, spreads
+from .closure_thin import beyond, thin_glass
 from .graph import is_known
 from .value import clamped, color_of, dot, number_of
 
@@ -21,7 +22,7 @@ def principled(reader, node, groups, share):
     alpha = clamped(reader, number_of(reader, inputs["Alpha"], groups))
     add(reader, {"closure": "TRANSPARENT"}, math("MULTIPLY", share, math("SUBTRACT", 1.0, alpha)))
     share = math("MULTIPLY", share, alpha)
-    _name_left_out(reader, node)
+    _name_left_out(reader, node, groups)
     (_Until36 if "Specular" in inputs else _From40)(reader, node, groups).layers(share)
 
 
@@ -31,7 +32,7 @@ _LEFT_OUT = {"Transmission Roughness": 0}
 _BELOW = ("Subsurface", "Subsurface Weight")
 
 
-def _name_left_out(reader, node):
+def _name_left_out(reader, node, groups):
     """A warning for each of these sockets that says something."""
     for name, plain in _LEFT_OUT.items():
         socket = node.inputs.get(name)
@@ -39,11 +40,20 @@ def _name_left_out(reader, node):
             continue
         if socket.is_linked or socket.default_value != plain:
             reader.warn(f"'{node.name}': {name} is not supported; left out")
-    for name in _BELOW:
+    for name in () if _is_thin(reader, node, groups) else _BELOW:
         socket = node.inputs.get(name)
         if (socket and (socket.is_linked or socket.default_value > 0) and
                 spreads(node, "Subsurface Radius", "Subsurface Scale")):
             reader.warn(f"'{node.name}': {name} is not supported; shaded as matt")
+
+
+def _is_thin(reader, node, groups):
+    """From 5.2 on: is it a sheet, not the surface of a body?"""
+    socket = node.inputs.get("Thin Wall")
+    part = number_of(reader, socket, groups) if socket else 0.0
+    if not is_known(part):
+        reader.warn(f"'{node.name}': a Thin Wall that differs from place to place is not supported; left out")
+    return is_known(part) and part > 0
 
 
 class _Principled:
@@ -172,7 +182,7 @@ class _From40(_Principled):
         self._emission(share, "Emission Color", 0.0)
         self.tint = self._color("Specular Tint")
         self.edge = tuple(clamped(self.reader, part) for part in self.tint)
-        self.film = film_of(self.reader, self.node, self.groups)
+        self.film, self.thin = film_of(self.reader, self.node, self.groups), _is_thin(self.reader, self.node, self.groups)
         self._metal(self._part(share, self.metallic))
         share = self._rest(share, self.metallic)
         through = self._share_of("Transmission Weight")
@@ -182,7 +192,11 @@ class _From40(_Principled):
             return
         hidden = self._specular(share, through)
         roughness = self._number("Diffuse Roughness") if "Diffuse Roughness" in self.node.inputs else 0.0
-        matt(self.reader, self.base, roughness, self._rest(share, clamped(self.reader, hidden)), self.normal)
+        share = self._rest(share, clamped(self.reader, hidden))
+        through = beyond(self.reader, self.node, self.groups, roughness) if self.thin else 0.0
+        matt(self.reader, self.base, roughness, self._rest(share, through), self.normal)
+        if not is_zero(through):
+            add(self.reader, {"closure": "TRANSLUCENT"}, times(self.reader, self.base, self._part(share, through)), self.normal)
 
     def _under_sheen(self, share):
         reader, weight = self.reader, self.math("MAXIMUM", self._number("Sheen Weight"), 0.0)
@@ -232,7 +246,9 @@ class _From40(_Principled):
             self._lobe(share, {"fresnel": "SCHLICK"}, base, f0=base)
 
     def _transmission(self, share):
-        if not is_zero(share):
+        if self.thin:
+            thin_glass(self.reader, self.node, self.groups, self.base, self.edge, share, self.normal)
+        elif not is_zero(share):
             beyond = tuple(self.math("SQRT", clamped(self.reader, part)) for part in self.base)
             self._glass(share, tint=beyond, **({"mirror_tint": self.edge} if self._has_edge() else {}))
 
@@ -246,6 +262,8 @@ class _From40(_Principled):
         level = self._number("Specular IOR Level")
         if not (is_known(level) and level == 0.5):
             head_on = math("MULTIPLY", head_on, math("MULTIPLY", level, 2.0))
+        if is_zero(head_on) and not self.film:
+            return 0.0
         lobe = Lobe(reader, self.alpha, self.normal)
         if self.film:
             hidden = self._filmed(share, head_on)

@@ -17,7 +17,7 @@ def _cosine(reader, found):
     return reader.program.math("ABSOLUTE", dot(reader, eye, normal))
 
 
-def _dielectric(reader, c, eta):
+def dielectric(reader, c, eta):
     """Reflectance of a clear body of relative index eta; 1 where all is reflected."""
     math = reader.program.math
     square = math("ADD", math("SUBTRACT", math("MULTIPLY", eta, eta), 1.0), math("MULTIPLY", c, c))
@@ -40,14 +40,14 @@ def _turned_inside(reader, eta, outside):
 
 def _fresnel(reader, found):
     eta = reader.program.math("MAXIMUM", number_in(reader, found, "IOR"), 1e-5)
-    return (_dielectric(reader, _cosine(reader, found), _turned_inside(reader, eta, True)),)
+    return (dielectric(reader, _cosine(reader, found), _turned_inside(reader, eta, True)),)
 
 
 def _layer_weight(reader, found):
     math, blend = reader.program.math, number_in(reader, found, "Blend")
     if found.output.name == "Fresnel":
         eta = math("MAXIMUM", math("SUBTRACT", 1.0, blend), 1e-5)
-        return (_dielectric(reader, _cosine(reader, found), _turned_inside(reader, eta, False)),)
+        return (dielectric(reader, _cosine(reader, found), _turned_inside(reader, eta, False)),)
     blend = math("CLAMP", blend, 0.0, 1.0 - 1e-5)
     low, high = math("MULTIPLY", blend, 2.0), math("DIVIDE", 0.5, math("SUBTRACT", 1.0, blend))
     power = math("MIX", high, low, math("LESS_THAN", blend, 0.5))

@@ -12,13 +12,13 @@ def _radial_tiling(reader, found):
     if not is_known(sides, roundness):
         reader.warn(f"'{found.node.name}': Sides and Roundness that differ from place to place are not supported; 5 and 0 are used")
         sides, roundness = 5.0, 0.0
-    roundness = min(max(roundness, 0.0), 1.0)
-    if roundness and sides % 1:
-        reader.warn(f"'{found.node.name}': Roundness with a part of a side is not supported; its corners are sharp")
+    sides, roundness = max(sides, 2.0), min(max(roundness, 0.0), 1.0)
+    if roundness and sides % 1 or 0 < roundness < 1 and sides == 2:
+        reader.warn(f"'{found.node.name}': Roundness of {'two sides' if sides == 2 else 'a part of a side'} is not supported; its corners are sharp")
         roundness = 0.0
     key = ("tiling", found.node, found.groups, reader.shift)
     if key not in reader.known:
-        reader.known[key] = _tiled(reader, found, max(sides, 2.0), roundness)
+        reader.known[key] = _tiled(reader, found, sides, roundness)
     return reader.known[key][found.output.name]
 
 
@@ -34,8 +34,6 @@ def _tiled(reader, found, sides, roundness):
     is_part = math("GREATER_THAN", number, sides // 1 - 0.5) if part > 1e-6 else 0.0
     middle = math("MIX", half, part, is_part)
     off = math("SUBTRACT", math("SUBTRACT", turn, begin), middle)
-    if sides == 2 and roundness < 1:
-        roundness = 0.0  # there are no corners
     if roundness == 1:
         across, up, width = off, far, half
         most = half

@@ -9,7 +9,8 @@
  * (node/interference.h), by colour, and the rest refracted. From inside a body its index counts
  * over the body's, and its thickness as it is, as in Cycles: its colours are those of a film so
  * much thinner. `mirror_tint`, three: head-on what is reflected has this colour, the rest is
- * refracted.
+ * refracted. `straight`: what would be reflected goes on, mirrored by the surface, as through a thin
+ * pane.
  *
  * As in Cycles, refraction does not scale radiance by the squared indices: what a ray carries is
  * never more than before, and light that enters a body and leaves it is the same either way.
@@ -24,7 +25,7 @@
 
 typedef struct closure_glass {
   operand ior, alpha, tint[3];
-  bool reflects, refracts, joint, flat, beckmann;
+  bool reflects, refracts, joint, flat, beckmann, straight;
   thin_film film; /* its thickness and index; the body's is `ior` */
   bool hued;
   operand hue[3];
@@ -43,12 +44,13 @@ static inline bool closure_glass_read(reader *r, closure_glass *c, graph *g) {
   if (!graph_operands(r, g, "ior", 1, &c->ior) || !graph_operands(r, g, "alpha", 1, &c->alpha) ||
       !graph_operands(r, g, "tint", 3, c->tint) || !reader_flag(r, "reflects", &c->reflects) ||
       !reader_flag(r, "refracts", &c->refracts) || !reader_flag(r, "joint", &c->joint) ||
-      !reader_may_flag(r, "flat", &c->flat) || !reader_may_flag(r, "beckmann", &c->beckmann))
+      !reader_may_flag(r, "flat", &c->flat) || !reader_may_flag(r, "beckmann", &c->beckmann) ||
+      !reader_may_flag(r, "straight", &c->straight))
     return false;
   const bool sharp = c->alpha.at < 0 && (double)c->alpha.number <= CLOSURE_LEAST_ALPHA;
   g->exponent = alpha_exponent(c->alpha);
   g->focus = 1;
-  g->traits |= (c->refracts ? CLOSURE_THROUGH : 0u) | (sharp ? CLOSURE_SHARP : 0u);
+  g->traits |= (c->refracts || c->straight ? CLOSURE_THROUGH : 0u) | (sharp ? CLOSURE_SHARP : 0u);
   return graph_normal(r, g, c->normal);
 }
 
@@ -88,7 +90,7 @@ LEAF bool glass_is_colored(const closure_glass *c) {
 /* What it does, as factors: loops without branches. */
 typedef struct glass_kind {
   float both, mirror, clear; /* which of three: Fresnel decides, all is reflected, or refracted */
-  float joint, flat;
+  float joint, flat, straight;
   float film; /* shares are left to glass_film */
 } glass_kind;
 static inline glass_kind glass_kind_of(const closure_glass *c) {
@@ -97,7 +99,14 @@ static inline glass_kind glass_kind_of(const closure_glass *c) {
                       .clear = !c->reflects,
                       .joint = c->joint,
                       .flat = c->flat,
+                      .straight = c->straight,
                       .film = glass_is_colored(c)};
+}
+
+/* A direction, mirrored by the surface where all goes on straight. */
+LEAF vec3 glass_straight(const glass_kind *c, vec3 n, vec3 l) {
+  float by = -2.0f * c->straight * dot(n, l);
+  return (vec3){l.x + by * n.x, l.y + by * n.y, l.z + by * n.z};
 }
 
 typedef struct glass_terms {
@@ -165,7 +174,8 @@ LEAF void glass_eval(bool beckmann, const closure_glass *glass, lane_run run,
   const glass_lanes from = glass_lanes_of(glass, given, run);
 #pragma omp simd
   for (size_t i = run.begin; i < run.end; i++) {
-    vec3 n = normal_at(given, own.normal, i), l = load(wi, i), v = load(&at->wo, i);
+    vec3 n = normal_at(given, own.normal, i), there = load(wi, i), v = load(&at->wo, i);
+    vec3 l = glass_straight(&what, n, there);
     float alpha = clampf(from.alpha[i], 1e-4f, 1.0f);
     float eta = dielectric_eta(from.ior[i], at->side[i]);
     float ni = dot(n, l), no = dot(n, v);
@@ -176,7 +186,8 @@ LEAF void glass_eval(bool beckmann, const closure_glass *glass, lane_run run,
     h = scaled(h, up / sqrtf(square > 1e-20f ? square : 1e-20f));
     glass_terms terms =
         glass_of(beckmann, &what, alpha, eta, n, h, dot(h, v), dot(h, l), no, fabsf(ni), through);
-    bool sided = through ? l.z < 0.0f : l.z > 0.0f;
+    float z = there.z * (1.0f - 2.0f * what.straight);
+    bool sided = through ? z < 0.0f : z > 0.0f;
     terms.reflected = sided ? terms.reflected : 0.0f;
     terms.refracted = sided ? terms.refracted : 0.0f;
     glass_store(&from, i, terms, &out->f);
@@ -352,8 +363,9 @@ LEAF void glass_draw(bool beckmann, const closure_glass *glass, lane_run run,
     float along = turned ? 2.0f * ho : bent, back = turned ? 1.0f : inverse;
     vec3 l = {along * h.x - back * v.x, along * h.y - back * v.y, along * h.z - back * v.z};
     float ni = dot(n, l);
-    bool good = (ho > 0.0f) & (no > 0.0f) & ((ni > 0.0f) == turned) & ((l.z > 0.0f) == turned) &
-                (turned | bends);
+    l = glass_straight(&what, n, l);
+    bool sided = (l.z * (1.0f - 2.0f * what.straight) > 0.0f) == turned;
+    bool good = (ho > 0.0f) & (no > 0.0f) & ((ni > 0.0f) == turned) & sided & (turned | bends);
     glass_terms terms =
         glass_of(beckmann, &what, alpha, eta, n, h, ho, turned ? ho : -t, no, fabsf(ni), !turned);
     glass_store(&from, i, terms, &out->f);
