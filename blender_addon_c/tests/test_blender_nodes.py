@@ -305,6 +305,11 @@ PATTERNS = [
       for kind, way, profile, by in (
           ("BANDS", "X", "SIN", 0.0), ("BANDS", "Y", "SAW", 2.0), ("BANDS", "Z", "TRI", 0.0), ("BANDS", "DIAGONAL", "SIN", 1.0),
           ("RINGS", "X", "SIN", 0.0), ("RINGS", "Y", "SIN", 0.0), ("RINGS", "Z", "TRI", 3.0), ("RINGS", "SPHERICAL", "SIN", 0.0))),
+    *(place("RadialTiling", output, set={"normalize": even}, inputs={"Sides": sides, "Roundness": round_}, times=times, since="5.0",
+            fed={"Vector": ([2.3, 2.1, 0.0], [-1.2, -1.1, 0.0])})
+      for sides, round_ in ((5.0, 0.0), (4.6, 0.0), (2.0, 0.0), (6.0, 0.4), (3.0, 1.0))
+      for output, even, times in (("Segment Coordinates", False, 0.25), ("Segment Coordinates", True, 0.25), ("Segment ID", False, 0.05),
+                                  ("Segment Width", False, 0.1), ("Segment Rotation", False, 0.05))),
     *(place("TexBrick", output, inputs=BRICKS | more, set={"squash": 0.8, "squash_frequency": 3, "offset": 0.3})
       for output in ("Color", "Fac") for more in ({}, {"Mortar Smooth": 0.5}, {"Mortar Smooth": 0.0})),
 ]
@@ -395,8 +400,9 @@ def test_every_node_has_a_case():
              "COMBXYZ": "CombineXYZ", "SEPHSV": "SeparateHSV", "COMBHSV": "CombineHSV", "HUE_SAT": "HueSaturation", "BRIGHTCONTRAST": "BrightContrast", "RGBTOBW": "RGBToBW",
              "RGB": "RGB", "CURVE_RGB": "RGBCurve", "CURVE_VEC": "VectorCurve", "CURVE_FLOAT": "FloatCurve",
              "CAMERA": "CameraData", "VECT_TRANSFORM": "VectorTransform"}
-    # test_blender_semantics.py, test_blender_scratches.py, test_blender_lights.py, and here
-    elsewhere = {"BUMP", "DISPLACEMENT", "VECTOR_DISPLACEMENT", "SCRATCHES", "TEX_IES"}
+    types["ShaderNodeRadialTiling"] = "RadialTiling"
+    # test_blender_semantics.py, test_blender_scratches.py, test_blender_lights.py, test_blender_later.py, and here
+    elsewhere = {"MENU_SWITCH", "REPEAT_INPUT", "BUMP", "DISPLACEMENT", "VECTOR_DISPLACEMENT", "SCRATCHES", "TEX_IES"}
     covered = {case["node"].removeprefix("ShaderNode") for case in CASES + PLACES + PATTERNS}
     for key in keys:
         word = types.get(key, key.title().replace("_", ""))

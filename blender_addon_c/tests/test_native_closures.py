@@ -64,6 +64,7 @@ KEEP_ALL = {
     "lambert": of(diffuse()), "eon": of(diffuse("EON", 0.7)), "translucent": of(TRANSLUCENT),
     "transparent": of(TRANSPARENT), "glass": of(glass(1e-4)), "refraction": of(
         glass(1e-4, reflects=False)), "mirror": of(glossy(1e-3)),
+    "pane": of(glass(1e-4, refracts=False, straight=True)),
     "fibres": of({"closure": "SHEEN", "model": "FIBRES", "a": [0.4], "b": [-0.1]}),
     "toon": of(toon(0.5, 0.0)), "half there": of(weighed(diffuse(), 0.5), weighed(TRANSPARENT, 0.5)),
     "three": of(weighed(diffuse(), 0.2), weighed(TRANSLUCENT, 0.5), weighed(glass(1e-4), 0.3)),
@@ -97,6 +98,30 @@ def test_glass_with_all_its_bounces_is_not_seen(alpha, ior, joint):
              {"type": "MATH", "operation": "DIVIDE", "a": [1.0], "b": one[:1], "c": [0.0], "out": more}]
     mean, _ = furnace(of(glass(alpha, ior, joint=joint) | {"weight": more * 3}, nodes=nodes))
     assert mean == pytest.approx(WHITE, abs=0.01)
+
+
+@pytest.mark.parametrize("straight", [False, True])
+def test_a_rough_pane_with_what_it_loses_is_not_seen(straight):
+    """What of a mirror of this roughness is lost, ALBEDO says; of what goes through it is as much."""
+    one, more = registers(3, 3), registers(6, 1)
+    nodes = [{"type": "ALBEDO", "alpha": [0.5], "out": one},
+             {"type": "MATH", "operation": "DIVIDE", "a": [1.0], "b": one[:1], "c": [0.0], "out": more}]
+    mean, _ = furnace(of(glass(0.5, refracts=False, straight=straight) | {"weight": more * 3}, nodes=nodes))
+    assert mean == pytest.approx(WHITE, abs=0.01)
+
+
+def test_what_is_behind_a_pane_is_seen_where_it_is():
+    """A square that shines, through one that stands askew before it."""
+    pane, lit = of(glass(1e-4, refracts=False, straight=True)), of(weighed(EMISSION, 0.2, 0.5, 0.9))
+    askew = square(4.0, 0.0)
+    askew["positions"] = (np.reshape(askew["positions"], (-1, 3)) @ [[0.8, 0, -0.6], [0, 1, 0], [0.6, 0, 0.8]] + [0, 0, 3]).astype(
+        np.float32).ravel()
+    pictures = [render(scene(width=16, height=16, samples=16, lights=[], background=(0.1,) * 3, transparent=False, max_bounces=8,
+                             materials=[lit, pane], meshes=[square(0.5), *panes], camera=ortho(1.0)))[0]
+                for panes in ([], [{**askew, "material": np.ones(2, np.int32)}])]
+    bare, seen = (picture[..., 2] for picture in pictures)
+    within = np.isclose(bare, bare.min()) | np.isclose(bare, bare.max())  # of the square or beside it
+    assert np.abs(bare - seen)[within].mean() < 0.002 and np.ptp(seen[within]) > 0.7 and 60 < within.sum()
 
 
 @pytest.mark.parametrize("mirror", ["mirror", "glass"])

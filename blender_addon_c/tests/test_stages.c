@@ -1281,6 +1281,11 @@ static bool closure_by(int number, closure *c) {
     c->of.coat = (closure_coat){.normal = {3, 4, 5}, .alpha = half};
     return true;
   }
+  if (number == 25) { /* on through a pane */
+    closure_by(7, c);
+    c->of.glass.straight = true;
+    return true;
+  }
   if (number > 17) { /* as those of GGX */
     closure_by(number - 13, c);
     c->of.glass.beckmann = true;
