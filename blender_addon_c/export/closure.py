@@ -9,7 +9,7 @@ from ..names import FABRIC, METAL
 from . import cloth, tree
 from .closure_add import WHITE, is_zero, normal_in, times
 from .closure_glass import glass, refraction
-from .closure_light import emission, holdout, shine, transparent
+from .closure_light import emission, holdout, ray_portal, shine, transparent
 from .closure_matt import diffuse, lambert, sheen, subsurface, toon, translucent, velvet
 from .closure_metal import glossy, metal, metallic
 from .closure_principled import principled
@@ -32,6 +32,7 @@ CLOSURES = {
     "ShaderNodeBsdfTranslucent": translucent,
     "ShaderNodeSubsurfaceScattering": subsurface,
     "ShaderNodeBsdfTransparent": transparent,
+    "ShaderNodeBsdfRayPortal": ray_portal,
     "ShaderNodeEmission": emission,
     "ShaderNodeBackground": emission,
     "ShaderNodeHoldout": holdout,

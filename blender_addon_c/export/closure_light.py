@@ -20,5 +20,10 @@ def transparent(reader, node, groups, share):
     add(reader, {"closure": "TRANSPARENT"}, times(reader, color, share))
 
 
+def ray_portal(reader, node, groups, share):
+    reader.warn(f"'{node.name}': light that goes on elsewhere is not supported; shaded as a Transparent BSDF")
+    transparent(reader, node, groups, share)
+
+
 def holdout(reader, _node, _groups, share):
     add(reader, {"closure": "EMISSION", "holds": True}, share)

@@ -36,6 +36,7 @@ BsdfPrincipled: distribution=GGX,MULTI_GGX
     Roughness, Emission, Emission Strength, Alpha, Normal, Clearcoat Normal, Tangent, Weight, Subsurface Weight, Subsurface
     Scale, Specular IOR Level, Transmission Weight, Coat Weight, Coat Roughness, Coat IOR, Coat Tint, Coat Normal, Sheen Weight,
     Sheen Roughness, Emission Color, Thin Film Thickness, Thin Film IOR, Diffuse Roughness, Thin Wall | BSDF
+BsdfRayPortal: | Color, Position, Direction, Weight | BSDF
 BsdfRefraction: distribution=SHARP,BECKMANN,GGX | Color, Roughness, IOR, Normal, Weight | BSDF
 BsdfSheen: distribution=ASHIKHMIN,MICROFIBER | Color, Roughness, Normal, Weight | BSDF
 BsdfToon: component=DIFFUSE,GLOSSY | Color, Size, Smooth, Normal, Weight | BSDF

@@ -6,7 +6,7 @@ import pytest
 COST = 9
 
 
-@pytest.mark.parametrize("what", ["stock", "planted", "unknown_output", "chosen", "unsure"])
+@pytest.mark.parametrize("what", ["stock", "planted", "unknown_output", "every_node_is_known", "chosen", "unsure"])
 def test_what_is_not_known_of_a_node_is_named(blender, tmp_path, what):
     assert "all asserted" in blender.inside("later.py", what, tmp_path)
 

@@ -129,6 +129,18 @@ def planted():
             delattr(bpy.types.ShaderNodeTexNoise, name)
 
 
+def every_node_is_known():
+    """Each node that is read has its row."""
+    _scene, known, _report = begin()
+    closure, node = (importlib.import_module(f"{common.MODULE}.export.{name}") for name in ("closure", "node"))
+    made = bpy.data.node_groups.new("made", "ShaderNodeTree").nodes
+    for name in {*dir(bpy.types)} - {"ShaderNodeTree", "ShaderNodeCustomGroup"}:
+        if name.startswith("ShaderNode") and issubclass(getattr(bpy.types, name), bpy.types.ShaderNode) and name != "ShaderNode":
+            one = made.new(name)
+            if one.bl_idname in closure.CLOSURES or one.type in node.NODES or one.bl_idname in node.NODES:
+                assert one.bl_idname in known.KINDS or one.bl_idname.startswith("Libshade"), name
+
+
 def unknown_output():
     scene, known, report = begin()
     before = known.KINDS["ShaderNodeObjectInfo"]
