@@ -27,11 +27,15 @@ BLENDER_ZIPPED := $(BLENDER_FILES) $(BLENDER_ASSETS) $(BLENDER_MANUAL) $(addpref
 
 blender: $(B)/libshade-blender.zip
 
-# five hundred awkward scenes in either Blender, all lights in both: some minutes
+# five hundred awkward scenes in either Blender, fewer in those of others' systems, which have the zip of `make release`; all lights
+# in both: some minutes
 soak: soak-blender
-soak-blender: $(B)/libshade-blender.zip
+SOAK_BPY = $(if $(filter 3.11,$(PYTHON_VERSION)),$(B)/venv-bpy-4.2/done $(B)/venv-bpy-4.5/done)
+soak-blender: $(B)/libshade-blender.zip release debian13 $(RENDER) $(SOAK_BPY)
 	@$(B)/venv/bin/python blender_addon_c/tests/soak.py --seeds 500
-	@BOTH=1 $(B)/venv/bin/python -m pytest -q blender_addon_c/tests/test_blender_lights.py blender_addon_c/tests/test_blender_sky.py
+	@$(B)/venv/bin/python blender_addon_c/tests/soak.py --seeds 100 --version 4.2 4.5 5.2 5.3 --zip $(RELEASE_ZIP)
+	@BOTH=1 $(B)/venv/bin/python -m pytest -q blender_addon_c/tests/test_blender_lights.py blender_addon_c/tests/test_blender_sky.py \
+	  blender_addon_c/tests/test_blender_release.py
 	@EDITS=2000 $(B)/venv/bin/python -m pytest -q -s blender_addon_c/tests/test_blender_window.py -k edited
 .PHONY: soak-blender
 

@@ -90,7 +90,7 @@ TOOL_OBJ += $(O)/tool/swatch.o $(O)/tool/presets.o $(O)/tool/fabric.o
 # a tool built before a library came, or after it went, is built again
 EXR_SEEN := $(O)/tool/openexr-$(if $(EXR_LIBS),yes,no)
 PNG_SEEN := $(O)/tool/png-$(if $(PNG_LIBS),yes,no)
-$(O)/tool/openexr-% $(O)/tool/png-%:
+$(EXR_SEEN) $(PNG_SEEN):
 	@mkdir -p $(@D)
 	@rm -f $(patsubst %-yes,%-*,$(patsubst %-no,%-*,$@)) && touch $@
 $(O)/tool/check.o: $(EXR_SEEN)

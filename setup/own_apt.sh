@@ -11,7 +11,7 @@ own_sources() {
   own_apt update
 }
 own_apt() {
-  apt-get -qq -o Acquire::Retries=3 -o Dir::Etc::SourceList="$PWD/sources.list" -o Dir::Etc::SourceParts=/dev/null \
+  apt-get -qq -o Acquire::Retries=3 -o Acquire::Languages=none -o Dir::Etc::SourceList="$PWD/sources.list" -o Dir::Etc::SourceParts=/dev/null \
     -o Dir::State::Lists="$PWD/lists" -o Dir::Cache="$PWD" -o APT::Sandbox::User="$(id -un)" "$@"
 }
 own_clean() {

@@ -11,6 +11,7 @@ VENV := $(B)/venv
 VENV_BPY := $(B)/venv-bpy
 VENV_PEERS := $(B)/venv-peers
 VENV_RELEASE := $(B)/venv-release
+VENVS := $(VENV) $(VENV_BPY) $(VENV_PEERS) $(VENV_RELEASE) $(B)/venv-bpy-4.2 $(B)/venv-bpy-4.5
 RELEASE_SOURCES := $(B)/release/debian
 PY := $(VENV)/bin/python
 PY_BPY := $(VENV_BPY)/bin/python
@@ -34,7 +35,7 @@ NEEDS_bench := build
 NEEDS_bench-pairs := build
 NEEDS_bench-frames := $(NEEDS_compare)
 NEEDS_check-libshade := build test
-NEEDS_soak := build blender povray package test
+NEEDS_soak := build blender povray package test release
 NEEDS_check-povray-package := $(NEEDS_povray-package) test
 NEEDS_check-povray-scenes := build povray test
 NEEDS_lint := lint
@@ -74,13 +75,29 @@ $(VENV_BPY)/done: $(wildcard setup/requirements-bpy-*.txt)
 $(VENV_BPY)/done: PINS = setup/requirements-bpy-$(BPY_OF_IT).txt
 $(VENV_PEERS)/done: setup/requirements-peers.txt
 $(VENV_RELEASE)/done: setup/requirements-release.txt
-$(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done $(VENV_RELEASE)/done: | $(S)/demo.packages
+# of two wheels a few files are wanted
+$(VENV_RELEASE)/done: PIP_FLAGS := --no-deps --no-compile
+# of 4.2 and 4.5 for make soak
+$(B)/venv-bpy-4.2/done: setup/requirements-bpy-4.2.txt
+$(B)/venv-bpy-4.5/done: setup/requirements-bpy-4.5.txt
+$(VENVS:%=%/done): | $(S)/demo.packages
 	@echo "setup: Python packages of $(PINS) into $(@D)"
 	@rm -rf $(@D)
 	@$(PYTHON3) -m venv $(@D)
-	@$(@D)/bin/pip --disable-pip-version-check install --quiet --retries 5 -r $(PINS)
+	@$(@D)/bin/pip --disable-pip-version-check install --quiet --retries 5 $(PIP_FLAGS) -r $(PINS)
 	@touch $@
 
 $(RELEASE_SOURCES)/done: setup/release-sources.sh | $(S)/release.packages
 	@setup/release-sources.sh $(@D)
 	@touch $@
+
+# A Debian 13 for bpy of other versions than this system's Python has, where it can be had
+DEBIAN13_BPY = $(filter-out $(BPY_OF_$(PYTHON_VERSION)),5.2 $(if $(filter soak%,$(MAKECMDGOALS)),5.3))
+.PHONY: debian13
+debian13: $(VENV)/done
+	@[ -z "$(DEBIAN13_BPY)" ] || setup/debian13.sh $(DEBIAN13_BPY)
+# What `make release` needs of others, where it can be had
+.PHONY: release-fetched
+release-fetched: | $(S)/demo.packages $(S)/release.packages
+	@$(MAKE) --no-print-directory NEEDS= $(RELEASE_NEEDS) || \
+	  echo "setup: what make release needs can't be had: tests of its zip are skipped" >&2

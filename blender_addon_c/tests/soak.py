@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Awkward scenes by chance, in Blender 3.4 and 5.0: inside/hostile.py, and what became of each seed.
+"""Awkward scenes by chance, in the system's Blender and PyPI's, or in others: inside/hostile.py, and what became of each seed.
 
-    build/venv/bin/python blender_addon_c/tests/soak.py [--seeds 500] [--first 0] [--version 3.4] [--each 40]
+    build/venv/bin/python blender_addon_c/tests/soak.py [--seeds 500] [--first 0] [--version 4.2 5.3] [--zip FILE] [--each 40]
 """
 
 import argparse
@@ -11,7 +11,7 @@ import re
 import sys
 import tempfile
 
-from blender_runs import Blender
+from blender_runs import ZIP, Blender, Missing
 
 
 def seeds(blender, folder, first, count, seconds=300, each=()):
@@ -42,14 +42,20 @@ def main():
     words = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     words.add_argument("--seeds", type=int, default=500)
     words.add_argument("--first", type=int, default=0)
-    words.add_argument("--version", choices=["3.4", "5.0"])
+    words.add_argument("--version", nargs="+", default=["old", "new"], help="of those that are here")
+    words.add_argument("--zip", type=pathlib.Path, default=ZIP, help="the add-on's")
     words.add_argument("--each", type=float, nargs=1, default=(), help="seconds for each, more beside other work")
     given = words.parse_args()
     failed = 0
-    for version in [given.version] if given.version else ["3.4", "5.0"]:
+    for which in given.version:
         ends = collections.Counter()
         with tempfile.TemporaryDirectory() as home:
-            blender = Blender(version, pathlib.Path(home) / "home")
+            try:
+                blender = Blender(which, pathlib.Path(home) / "home", given.zip.resolve())
+            except Missing as missing:
+                print(missing, flush=True)
+                continue
+            version = blender.version
             for seed, how, said in seeds(blender, home, given.first, given.seeds, None, given.each):
                 ends[how if good(how) else "broken"] += 1
                 if not good(how):
