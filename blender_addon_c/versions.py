@@ -28,6 +28,7 @@ JOINT_SHADOWING = _since(4, 0)  # Smith's, of both directions together
 TOON_OVERCOUNTS = _before(4, 0)  # of Toon BSDFs that are glossy
 ENERGY_OREN_NAYAR = _since(4, 3)  # rough Diffuse BSDFs are EON, not Oren and Nayar's
 FILM_ON_METAL = _since(5, 0)  # of a Principled BSDF
+SHINES_BELOW_0 = _since(5, 2)  # Emission Strength of a Principled BSDF takes light away [not asked of 5.1]
 SHADOWS_STOP = _since(4, 0)  # by Transparent Shadows (off) [4.2]; 3.4's paths make up for most of it
 TRANSPARENT_LESS = _since(5, 0)  # paths go through one surface less than shadow rays [4.2, 4.5]
 

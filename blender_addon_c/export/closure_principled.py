@@ -179,7 +179,7 @@ class _Until36(_Principled):
 class _From40(_Principled):
     def layers(self, share):
         share = self._coated(self._under_sheen(share))
-        self._emission(share, "Emission Color", 0.0)
+        self._emission(share, "Emission Color", None if versions.SHINES_BELOW_0 else 0.0)
         self.tint = self._color("Specular Tint")
         self.edge = tuple(clamped(self.reader, part) for part in self.tint)
         self.film, self.thin = film_of(self.reader, self.node, self.groups), _is_thin(self.reader, self.node, self.groups)

@@ -62,7 +62,8 @@ static bool read_array(reader *r, void *out, void *context) {
     return reader_expected(r, "offset", "where the array before ends");
   array->data = f->array_data + *end;
   *end += size;
-  return has_checksum(array->data, size, sum) || reader_expected(r, "checksum", "that of the array");
+  return has_checksum(array->data, size, sum) ||
+         reader_expected(r, "checksum", "that of the array");
 }
 
 static bool read_pass(reader *r, void *out, void *context) {

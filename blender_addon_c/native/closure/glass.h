@@ -9,8 +9,8 @@
  * (node/interference.h), by colour, and the rest refracted. From inside a body its index counts
  * over the body's, and its thickness as it is, as in Cycles: its colours are those of a film so
  * much thinner. `mirror_tint`, three: head-on what is reflected has this colour, the rest is
- * refracted. `straight`: what would be reflected goes on, mirrored by the surface, as through a thin
- * pane.
+ * refracted. `straight`: what would be reflected goes on, mirrored by the surface, as through a
+ * thin pane.
  *
  * As in Cycles, refraction does not scale radiance by the squared indices: what a ray carries is
  * never more than before, and light that enters a body and leaves it is the same either way.
