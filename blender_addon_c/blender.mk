@@ -35,7 +35,7 @@ soak-blender: $(B)/libshade-blender.zip release debian13 $(RENDER) $(SOAK_BPY)
 	@$(B)/venv/bin/python blender_addon_c/tests/soak.py --seeds 500
 	@$(B)/venv/bin/python blender_addon_c/tests/soak.py --seeds 100 --version 4.2 4.5 5.2 5.3 --zip $(RELEASE_ZIP)
 	@BOTH=1 $(B)/venv/bin/python -m pytest -q blender_addon_c/tests/test_blender_lights.py blender_addon_c/tests/test_blender_sky.py \
-	  blender_addon_c/tests/test_blender_release.py
+	  blender_addon_c/tests/test_blender_release.py blender_addon_c/tests/test_blender_scratches.py
 	@EDITS=2000 $(B)/venv/bin/python -m pytest -q -s blender_addon_c/tests/test_blender_window.py -k edited
 .PHONY: soak-blender
 

@@ -7,7 +7,7 @@ import OpenImageIO as oiio
 
 from blender_runs import ROOT
 
-COST = 7
+COST = 12
 
 # in make soak all but the drape, which takes minutes to make
 NAMES = ["cloth", "dial", "groove", "pan", "suzanne", "table"] + (["bolts", "jacket", "scratches"] if "BOTH" in os.environ else [])
