@@ -55,7 +55,8 @@ static void png_holds_what_was_written(void **state) {
     pixels[i] = sample(i, COUNT);
   pixels[COUNT / 2] = NAN;
   char error[256];
-  const shade_image_spec spec = {W, H, CHANNELS, NULL, SHADE_IMAGE_U8, 0, "a note", NULL};
+  const shade_image_spec spec = {
+      .width = W, .height = H, .channels = CHANNELS, .type = SHADE_IMAGE_U8, .note = "a note"};
   const char *path = in_folder("a.PNG");
   assert_int_equal(shade_image_write(path, &spec, pixels, error, sizeof error), 0);
   assert_int_equal(files_in_folder(), 1);
@@ -118,7 +119,8 @@ static void check_exr(shade_image_type type, double tolerance) {
   for (int i = 0; i < COUNT; i++)
     pixels[i] = 100 * sample(i, COUNT);
   char error[256];
-  const shade_image_spec spec = {W, H, CHANNELS, names, type, 0, NULL, NULL};
+  const shade_image_spec spec = {
+      .width = W, .height = H, .channels = CHANNELS, .names = names, .type = type};
   const char *path = in_folder("a.exr");
   shade_image_writer *w = shade_image_open(path, &spec, error, sizeof error);
   assert_non_null(w);
@@ -157,7 +159,7 @@ static void refused(const char *path, shade_image_spec spec, const char *why) {
 
 static void bad_requests_are_refused(void **state) {
   (void)state;
-  const shade_image_spec good = {W, H, 3, NULL, SHADE_IMAGE_FLOAT, 0, NULL, NULL};
+  const shade_image_spec good = {.width = W, .height = H, .channels = 3, .type = SHADE_IMAGE_FLOAT};
   shade_image_spec s = good;
   refused(in_folder("a.jpg"), s, ".exr or .png");
   refused(in_folder("exr"), s, ".exr or .png");
@@ -186,7 +188,7 @@ static void bad_requests_are_refused(void **state) {
 static void a_picture_given_up_leaves_the_old_file(void **state) {
   (void)state;
   const float pixels[4] = {0, 0.25F, 0.5F, 1};
-  const shade_image_spec spec = {2, 2, 1, NULL, SHADE_IMAGE_U16, 0, NULL, NULL};
+  const shade_image_spec spec = {.width = 2, .height = 2, .channels = 1, .type = SHADE_IMAGE_U16};
   char error[256];
   const char *path = in_folder("old.png");
   assert_int_equal(shade_image_write(path, &spec, pixels, error, sizeof error), 0);
@@ -211,7 +213,7 @@ static void a_picture_given_up_leaves_the_old_file(void **state) {
 static void a_picture_takes_a_free_name_meanwhile(void **state) {
   (void)state;
   const float pixels[4] = {0, 0.25F, 0.5F, 1};
-  const shade_image_spec spec = {2, 2, 1, NULL, SHADE_IMAGE_U16, 0, NULL, NULL};
+  const shade_image_spec spec = {.width = 2, .height = 2, .channels = 1, .type = SHADE_IMAGE_U16};
   char error[256], taken[2][320];
   const char *path = in_folder("a.png");
   for (int k = 0; k < 2; k++) {

@@ -318,12 +318,17 @@ static int write_pictures(const options *o, const shade_scratch_field *field) {
     const shade_image_type type = png       ? o->bits == 8 ? SHADE_IMAGE_U8 : SHADE_IMAGE_U16
                                   : o->half ? SHADE_IMAGE_HALF
                                             : SHADE_IMAGE_FLOAT;
-    pictures[count++] =
-        (tool_picture){o->normal, {o->width, o->rows, 3, NULL, type, 0, note, NULL}};
+    pictures[count++] = (tool_picture){
+        o->normal,
+        {.width = o->width, .height = o->rows, .channels = 3, .type = type, .note = note}};
   }
   if (o->height)
-    pictures[count++] =
-        (tool_picture){o->height, {o->width, o->rows, 1, NULL, SHADE_IMAGE_FLOAT, 0, note, NULL}};
+    pictures[count++] = (tool_picture){o->height,
+                                       {.width = o->width,
+                                        .height = o->rows,
+                                        .channels = 1,
+                                        .type = SHADE_IMAGE_FLOAT,
+                                        .note = note}};
   job j = {o, field};
   return tool_write_pictures("scratch", pictures, count, o->threads, fill, &j);
 }
