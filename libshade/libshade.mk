@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # libshade, the `shade` tool, their tests. Needs a C compiler and make, no more.
 L := libshade
-SHADE_WARN := -Wall -Wextra -Wconversion -Werror
+CC_IS_GCC := $(if $(findstring clang,$(shell $(CC) --version 2>/dev/null)),,yes)
+# clang from 19 on warns of enumerations that count, too
+SHADE_WARN := -Wall -Wextra -Wconversion -Werror $(if $(CC_IS_GCC),,-Wno-enum-float-conversion -Wno-enum-enum-conversion)
 # no path of this machine in what is built
 NO_PATH := "-ffile-prefix-map=$(CURDIR)=."
 # names and lines, which traces show; with variables too (CFLAGS=-g) the compiler takes a quarter
@@ -13,7 +15,6 @@ CFLAGS ?=
 # one short line a step; V=1 shows the commands
 Q := $(if $(V),,@)
 say = $(if $(V),,@echo "  $(1)$(2)")
-CC_IS_GCC := $(if $(findstring clang,$(shell $(CC) --version 2>/dev/null)),,yes)
 
 # gcc: partial redundancy elimination splits f(max(x, floor)) into f(x) and a constant, and the
 # vectoriser computes both: a spurious exception, and slower

@@ -139,6 +139,7 @@ static void calls_on_cloth_are_lean(void **state) {
 static void single_calls_are_lean(void **state) {
   (void)state;
   long most[sizeof rows / sizeof rows[0]] = {0};
+  touched(nothing); /* the first thread also looks functions up */
   const long own = touched(nothing);
   for (int isa = 0; isa <= shade_isa_chosen(); isa++)
     for (int k = 0; k < SHADE_MDF_COUNT * SHADE_DETAIL_COUNT * SHADE_HORIZON_COUNT; k++) {
