@@ -23,7 +23,7 @@
 #   make lint      layout of the code, licence lines
 #   make compile_commands.json  how each C file is compiled, for clangd and its like
 #   make clean     remove build/
-# On Debian 12 each of them installs first what it needs (setup/setup.mk).
+# On Debian 12 and 13 each of them installs first what it needs (setup/setup.mk); elsewhere it names what is missing.
 B := build
 JOBS ?= $(shell nproc)
 # all processors, unless -j is given

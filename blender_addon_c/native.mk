@@ -20,8 +20,7 @@ NATIVE_LDFLAGS := -shared -Wl,--version-script=$(NATIVE_EXPORTS) -Wl,-Bsymbolic 
 
 # What the module opens at run time, under names of our own: Blender has a TBB too, and the loader gives the first
 # library of a name to all who ask for that name. Embree as its header: scene/accel.c
-NATIVE_SYSTEM := /usr/lib/$(shell $(CC) -print-multiarch 2>/dev/null || uname -m)
-NATIVE_EMBREE = $(firstword $(wildcard $(NATIVE_SYSTEM)/libembree4.so.4) $(NATIVE_SYSTEM)/libembree3.so.3)
+NATIVE_SYSTEM = $(firstword $(wildcard $(foreach name,$(1),$(shell $(CC) -print-file-name=$(name)))))
 NATIVE_LIBS := $(patsubst %,$(NATIVE)/lib/libshade_%.so,embree tbb openexrcore)
 BLENDER_NATIVE := $(patsubst $(NATIVE)/%,$(BLENDER_ADDON)/%,$(NATIVE_SO) $(NATIVE_LIBS))
 
@@ -117,9 +116,9 @@ define NATIVE_OWN
 	$(Q)patchelf --set-rpath '$$ORIGIN' $@.part
 	$(Q)mv $@.part $@
 endef
-$(NATIVE)/lib/libshade_embree.so: FROM = $(NATIVE_EMBREE)
-$(NATIVE)/lib/libshade_tbb.so: FROM = $(NATIVE_SYSTEM)/libtbb.so.12
-$(NATIVE)/lib/libshade_openexrcore.so: FROM = $(NATIVE_SYSTEM)/libOpenEXRCore-3_1.so.30
+$(NATIVE)/lib/libshade_embree.so: FROM = $(call NATIVE_SYSTEM,libembree4.so.4 libembree3.so.3)
+$(NATIVE)/lib/libshade_tbb.so: FROM = $(call NATIVE_SYSTEM,libtbb.so.12)
+$(NATIVE)/lib/libshade_openexrcore.so: FROM = $(call NATIVE_SYSTEM,libOpenEXRCore-3_1.so.30 libOpenEXRCore.so)
 $(NATIVE_LIBS): blender_addon_c/native.mk | $(S)/blender.stamp
 	$(NATIVE_OWN)
 # by a new name: a Blender that runs keeps the file it has loaded

@@ -58,8 +58,8 @@ TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/bench_
 
 # `shade check` reads EXR: compiled in where OpenEXRCore's header and library are found
 EXR_CFLAGS := $(shell pkg-config --cflags OpenEXR 2>/dev/null)
-EXR_LIBS := $(shell printf '\043include <openexr.h>\nint main(void){return 0;}' | \
-  $(CC) $(EXR_CFLAGS) -xc - -o /dev/null -lOpenEXRCore-3_1 2>/dev/null && echo -lOpenEXRCore-3_1)
+EXR_LIBS := $(shell for library in -lOpenEXRCore-3_1 -lOpenEXRCore; do printf '\043include <openexr.h>\nint main(void){return 0;}' | \
+  $(CC) $(EXR_CFLAGS) -xc - -o /dev/null $$library 2>/dev/null && echo $$library && break; done)
 ifneq ($(EXR_LIBS),)
 TOOL_EXR := -DHAVE_OPENEXR
 TOOL_OBJ += $(DUMP_OBJ) $(O)/tool/check_header.o $(O)/tool/check_hit.o $(O)/tool/check_compare.o \

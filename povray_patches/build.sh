@@ -8,7 +8,7 @@ OUT       folder for everything that is made; the program is OUT/povray
 LIBSHADE  the folder libshade/ with include/ and dump/
 ARCHIVE   libshade's static libraries, in the order of linking
 
-CXX, CXXFLAGS and JOBS (processors) are honoured. UNPATCHED=1 builds the source
+CXX, CXXFLAGS, EXR_LIBS and JOBS (processors) are honoured. UNPATCHED=1 builds the source
 as Debian has it, for check.sh; LIBSHADE and ARCHIVE are then left out. PREPARE=1
 ends when the source is configured, for which no ARCHIVE has to be there yet."
 
@@ -46,6 +46,7 @@ run() { # description command … : quiet unless it fails
 # ---- the source, checked against UPSTREAM
 
 version=$(sed -n 's/^version //p' "$here/UPSTREAM")
+pool=$(sed -n 's/^pool //p' "$here/UPSTREAM")
 verified() { (cd "$download" 2>/dev/null && sed -n '/^[0-9a-f]\{64\}  /p' "$here/UPSTREAM" | sha256sum --quiet -c - >/dev/null 2>&1); }
 
 # deb-src entries for UPSTREAM's release, made from the system's deb entries for its own
@@ -67,8 +68,22 @@ source_entries() {
     die "no entry for Debian $codename in /etc/apt/sources.list or /etc/apt/sources.list.d: where is the source to come from?"
 }
 
+# where there is no apt: as UPSTREAM's sums say
+fetch_files() {
+  local name
+  mkdir -p "$download"
+  while read -r _ name; do
+    run "fetching $name" curl --fail --silent --show-error --location --retry 3 -o "$download/$name" "$pool/$name"
+  done < <(sed -n '/^[0-9a-f]\{64\}  /p' "$here/UPSTREAM")
+}
+
 fetch() {
   say "fetching Debian's source of povray $version (53 MB)"
+  if ! command -v apt-get >/dev/null; then
+    fetch_files
+    verified || die "the files in $download are not those of povray_patches/UPSTREAM"
+    return
+  fi
   mkdir -p "$download" "$out/apt/lists/partial" "$out/apt/cache/archives/partial"
   source_entries
   # our own lists and cache: no root needed, nothing of the system touched
@@ -115,7 +130,7 @@ fi
 
 configure=(./configure COMPILED_BY="libshade" --without-x --without-libsdl --disable-optimiz --disable-strip
   --with-boost-thread=boost_thread "CXX=${CXX:-g++}" "CXXFLAGS=${CXXFLAGS:--O3}")
-[ -n "$unpatched" ] || configure+=("CPPFLAGS=-I$libshade/include -I$libshade" "LIBS=-lOpenEXRCore-3_1")
+[ -n "$unpatched" ] || configure+=("CPPFLAGS=-I$libshade/include -I$libshade" "LIBS=${EXR_LIBS:--lOpenEXRCore-3_1}")
 
 # prebuild lists the source files, so a new one means a new configuration
 settings=$(printf '%s\n' "${configure[@]}" && ls "$src/source/backend/mdf" 2>/dev/null || true)

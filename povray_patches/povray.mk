@@ -5,12 +5,12 @@ POVRAY := $(B)/povray/povray
 
 # povray is phony: build.sh knows best what is up to date, and says it in a second
 povray: povray-source $(B)/libshade_dump.a $(B)/libshade.a
-	@$(P)/build.sh $(B)/povray libshade $(B)/libshade_dump.a $(B)/libshade.a
+	@EXR_LIBS="$(EXR_LIBS)" $(P)/build.sh $(B)/povray libshade $(B)/libshade_dump.a $(B)/libshade.a
 
 # fetching, unpacking and configuring take half a minute of one processor: beside libshade's compilers
 .PHONY: povray-source
 povray-source: setup-povray
-	@PREPARE=1 $(P)/build.sh $(B)/povray libshade
+	@EXR_LIBS="$(EXR_LIBS)" PREPARE=1 $(P)/build.sh $(B)/povray libshade
 
 # Debian's package of it and the archive that runs from any folder
 .PHONY: povray-package

@@ -2,16 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # Install the Debian packages that the given lists name (one a line; # starts a comment):
 #   setup/apt.sh setup/packages-build.txt ...
-# Where all of them are installed already it does nothing, and needs neither root nor network.
+# Where all of them are installed already it does nothing, and needs neither root nor network. Where there is no apt it looks
+# whether what they bring is there, and names what is not (elsewhere.sh).
 set -eu
 
 [ $# -gt 0 ] || { echo "usage: $0 LIST..." >&2; exit 2; }
 wanted=$(sed -e 's/#.*//' "$@")
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-  echo "setup: no apt here: this set-up is made for Debian 12." >&2
-  echo "setup: elsewhere, install what these lists name and run make again: $*" >&2
-  exit 1
+  exec "$(dirname "$0")/elsewhere.sh" "$@"
 fi
 
 missing() {

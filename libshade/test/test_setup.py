@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Set-up where there is no apt: what is missing is named as that system names it."""
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+COST = 1
+
+SETUP = Path(__file__).resolve().parents[2] / "setup"
+WORDS = "sh sed awk tr cat dirname printf env cc c++ gcc g++ as ld make pkg-config python3".split()
+SYSTEMS = {"fedora": 'ID=fedora\n', "rocky": 'ID="rocky"\nID_LIKE="rhel centos fedora"\n', "arch": "ID=arch\n", "other": "ID=void\n"}
+
+
+@pytest.fixture
+def run(tmp_path):
+    """apt.sh with programs WORDS and `more` alone, on one of SYSTEMS."""
+    def run(system, *packages, more=()):
+        folder = tmp_path / "bin"
+        folder.mkdir()
+        for word in (*WORDS, *more):
+            found = shutil.which(word, path="/usr/bin:/bin")
+            if found:
+                (folder / word).symlink_to(found)
+        (tmp_path / "os-release").write_text(SYSTEMS[system])
+        listed = tmp_path / "packages.txt"
+        listed.write_text("# a list\n" + "\n".join(packages) + "\n")
+        return subprocess.run(["/bin/sh", SETUP / "apt.sh", listed], capture_output=True, text=True, cwd=tmp_path, check=False,
+                              env={"PATH": str(folder), "OS_RELEASE": str(tmp_path / "os-release"), "LC_ALL": "C"})
+    return run
+
+
+def test_what_is_there_is_taken(run):
+    done = run("fedora", "gcc", "libc6-dev", "make", "python3-venv", "patchelf", more=["patchelf"])
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.parametrize("system, command", [("fedora", "sudo dnf install patchelf xorg-x11-server-Xvfb"),
+                                             ("rocky", "sudo dnf install patchelf xorg-x11-server-Xvfb"),
+                                             ("arch", "sudo pacman -S --needed patchelf xorg-server-xvfb")])
+def test_what_is_missing_is_named(run, system, command):
+    done = run(system, "gcc", "patchelf", "xvfb")
+    assert done.returncode == 1 and command in done.stderr and "gcc" not in done.stderr
+
+
+def test_elsewhere_by_the_names_of_debian(run):
+    done = run("other", "xvfb", "patchelf", "no-such-package")
+    assert done.returncode == 1 and "missing: xvfb patchelf no-such-package" in done.stderr
+    assert "sudo" not in done.stderr
+
+
+def test_every_package_has_a_row():
+    rows = [line.split() for line in (SETUP / "elsewhere.txt").read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    assert all(len(row) == 4 and ":" in row[1] for row in rows)
+    known = [row[0] for row in rows]
+    assert known == sorted(known, key=lambda name: name.replace("++", "")) and len(known) == len(set(known))
+    for listed in SETUP.glob("packages-*.txt"):
+        if listed.name != "packages-debian13.txt":  # of that system alone
+            named = {word for line in listed.read_text(encoding="utf-8").splitlines() for word in line.split("#")[0].split()}
+            assert named <= set(known), listed.name
+
+
+@pytest.mark.skipif(not shutil.which("dpkg-query"), reason="no dpkg")
+def test_signs_are_those_of_packages():
+    """Here, where Debian's packages say which are installed: an installed one is found by its sign."""
+    wanted = "gcc libc6-dev make pkg-config libopenexr-dev libpng-dev g++ libopenimageio-dev libembree-dev libtbb-dev python3-dev patchelf zlib1g-dev"
+    state = {name: subprocess.run(["dpkg-query", "-W", "-f", "${db:Status-Status}", name], capture_output=True, text=True, check=False).stdout
+             for name in wanted.split()}
+    installed = [name for name, said in state.items() if said == "installed"]
+    assert installed
+    done = subprocess.run(["/bin/sh", SETUP / "elsewhere.sh", "/dev/stdin"], input="\n".join(installed), capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
