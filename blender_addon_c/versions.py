@@ -17,6 +17,7 @@ def _before(*version):
 NODES_UNREGISTER = _since(5, 0)  # 3.4 crashes when it frees the evaluated copy of a node whose class is gone
 ALWAYS_NODES = _since(5, 0)  # materials and worlds cannot do without, and asking them is deprecated
 LONG_PASS_NAMES = _since(5, 0)  # whole words
+MORE_TO_DENOISE = _since(5, 2)  # passes of denoising data, in another order [not asked of 5.1]
 MUTED_AOVS_SPEAK = _since(5, 0)  # AOV Output nodes that are muted write all the same
 GROUP_VALUES_COUNT = _since(5, 0)  # of group sockets that feed a normal or a texture's place, and that nothing feeds
 BARE_IS_PRINCIPLED = _since(4, 0)  # what has no material has a Principled BSDF, not a matt surface

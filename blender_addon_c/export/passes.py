@@ -44,12 +44,15 @@ PASSES = (
 CATCHER = "SHADOW_CATCHER"  # of several pictures
 _CATCHER = Pass("use_pass_shadow_catcher", "Shadow Catcher", "RGB", "COLOR", CATCHER)
 _COUNT = Pass("pass_debug_sample_count", "Debug Sample Count", "X", "VALUE", "SAMPLES")
-# After those of names, whose number is the view layer's.
-_LAST = (
-    Pass("use_denoising", "Noisy Image", "RGBA", "COLOR", NOISY),
+_TO_DENOISE = (
     Pass("denoising_store_passes", "Denoising Normal", "XYZ", "VECTOR", "SEEN_NORMAL"),
     Pass("denoising_store_passes", "Denoising Albedo", "RGB", "COLOR", "ALBEDO"),
     Pass("denoising_store_passes", "Denoising Depth", "Z", "VALUE", "DISTANCE"),
+)
+# After those of names, whose number is the view layer's.
+_LAST = (
+    Pass("use_denoising", "Noisy Image", "RGBA", "COLOR", NOISY),
+    *((_TO_DENOISE[k] for k in (1, 0, 2)) if versions.MORE_TO_DENOISE else _TO_DENOISE),
 )
 
 # Properties of what no plane stands for yet, where the Blender that runs has them.
@@ -118,6 +121,8 @@ def passes_left_out(view_layer, messages):
     cycles = getattr(view_layer, "cycles", None)
     left_out += [f"Volume {part.capitalize()}" for part in ("direct", "indirect")
                  if getattr(cycles, f"use_pass_volume_{part}", False)]
+    if versions.MORE_TO_DENOISE and view_layer.libshade.denoising_store_passes:
+        left_out += ["Denoising Specular Albedo", "Denoising Roughness"]
     if left_out:
         messages.warning(f"view layer '{view_layer.name}': passes that are not rendered: "
                          f"{', '.join(left_out)}")

@@ -38,6 +38,11 @@ exec chroot "$root" "$@"
 NAMESPACE = ["unshare", *(["--map-root-user"] if os.geteuid() else []), "--mount", "--pid", "--fork", "--kill-child"]
 
 
+def measured(version):
+    """Which of the versions that tables of tests have numbers for is like it."""
+    return "3.4" if version < "4" else "5.0"
+
+
 class Missing(Exception):
     """A Blender that is not on this machine."""
 

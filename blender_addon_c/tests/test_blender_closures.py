@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from blender_runs import ENGINES, by_each, rgba
+from blender_runs import ENGINES, by_each, measured, rgba
 
 COST = 37
 
@@ -191,7 +191,8 @@ APART = {("several in glass", "3.4"): 0.025}
 
 
 def test_shaders_are_those_of_cycles(blender, tmp_path):
-    cases = cases_of(blender.version)
+    version = measured(blender.version)
+    cases = cases_of(version)
     blender.scene("balls", tmp_path, cases=cases, engines=ENGINES, samples=128, dump="")
     theirs, ours = (picture[..., :3].astype(float) for picture in by_each(tmp_path))
     far = []
@@ -202,8 +203,8 @@ def test_shaders_are_those_of_cycles(blender, tmp_path):
         # 4 x 4 pixels at a time: less noise
         blocks = (ours[at] - theirs[at]).reshape(6, 4, 6, 4, 3).mean((1, 3))
         apart = np.abs(blocks).mean() / mean.mean()
-        if off > OFF.get((case["name"], blender.version), 0.01) or apart > APART.get(
-                (case["name"], blender.version), 0.02):
+        if off > OFF.get((case["name"], version), 0.01) or apart > APART.get(
+                (case["name"], version), 0.02):
             far.append((case["name"], off, apart))
     assert not far, far
 

@@ -29,7 +29,7 @@ STAGES = """pixel_cone width spread camera locate gather corner surface pair lit
 STAGES += "route_hit pixel footprint place_samples choose escape sky sky_pdf sky_draw".split()
 STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"] if kind not in ("CLOTH", "SCRATCHES", "ATTRIBUTE")]  # two all libshade's
 STAGES += [what + kind.lower() for kind in KINDS["lights"] for what in ("hit_", "chosen_")]
-BPY_LIBRARIES = ROOT / "build/venv-bpy/lib/python3.11/site-packages/bpy/lib"
+BPY_LIBRARIES = next((ROOT / "build/venv-bpy").glob("lib/python3*/site-packages/bpy/lib"), ROOT / "build/venv-bpy/none")
 
 # arithmetic on whole registers; moving them about does not count
 PACKED = re.compile(
