@@ -108,7 +108,7 @@ def whole_files(folder):
     files = []
     for k, pictures in enumerate(whole_scenes()):
         path = pathlib.Path(folder) / f"whole-{k}.shscene"
-        scene_file.write(path, "L", pictures)
+        scene_file.write(path, "L", pictures, [("cryptomatte/0123456/name", "CryptoObject")] * (k == 0))
         files.append((path.read_bytes(), *parts_of(path)))
         path.unlink()
     return files

@@ -6,6 +6,6 @@ import pytest
 COST = 15  # where there is a 5.2, as in .ci/run; else 0.1: skipped
 
 
-@pytest.mark.parametrize("what", ["stock", "planted", "chosen", "unsure", "normals", "rounds", "thin"])
+@pytest.mark.parametrize("what", ["stock", "planted", "chosen", "unsure", "normals", "rounds", "thin", "dark", "data"])
 def test_what_5_2_adds_is_rendered_or_named(blender52, tmp_path, what):
     assert "all asserted" in blender52.inside("later.py", what, tmp_path)

@@ -82,6 +82,8 @@ def test_ctrl_c_leaves_no_file(tmp_path):
     (lambda header, arrays: header["arrays"][0].update(type="float16"), "arrays[0]: type must be one of float32"),
     (lambda header, arrays: header["arrays"][0].update(shape=[2**40]), "arrays[0]: shape must be whole numbers"),
     (lambda header, arrays: arrays.append(np.zeros(4, np.float32)), "arrays must be all that is behind the header"),
+    (lambda header, arrays: header.update(texts=[{"name": "cryptomatte/1/name", "text": "a"}, {"name": "channels", "text": "a"}]),
+     "texts[1]: name must be \"cryptomatte/"),
     (lambda header, arrays: header["pictures"][0]["passes"][1].update(plane="MIST"), "pass Depth: plane 'MIST' must be one that the scene has"),
 ])
 def test_a_broken_file_is_told_by_its_key(tmp_path, path, change, said):

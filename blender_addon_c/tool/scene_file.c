@@ -76,10 +76,15 @@ static bool read_pass(reader *r, void *out, void *context) {
          reader_number_within(r, "exposure", -1e30, 1e30, &p->exposure);
 }
 
+/* Only such as no other part of a header has. */
 static bool read_text(reader *r, void *out, void *context) {
+  static const char begin[] = "cryptomatte/";
   scene_text *t = out;
   (void)context;
-  return reader_text(r, "name", NULL, &t->name) && reader_text(r, "text", NULL, &t->text);
+  return reader_text(r, "name", NULL, &t->name) &&
+         ((strncmp(t->name, begin, strlen(begin)) == 0 && strlen(t->name) < 256) ||
+          reader_expected(r, "name", "\"cryptomatte/\" and more, at most 255 bytes")) &&
+         reader_text(r, "text", NULL, &t->text);
 }
 
 static bool read_scene(reader *r, void *out, void *context) {

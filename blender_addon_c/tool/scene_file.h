@@ -7,12 +7,12 @@
  *   arrays: each begins at a multiple of 64, zeros behind it; the file ends with the last
  *
  * The header is {"version", "texts", "pictures", "arrays"}. `texts`, which may be missing, are what
- * the rendered file's header is to say: each a `name` and a `text`. A picture has a `scene`, which
- * is what the native module's start() takes, where {"array": k} stands for what is a buffer there;
- * a `layer`; and `passes`, each with a `name`, `channels`, a letter each, the `plane` that it shows
- * (a word of the module's image()) and the `exposure` that its first three are multiplied by. An
- * array has a `type` (NumPy's word), a `shape`, an `offset` in the file behind the header, and a
- * `checksum`: the CRC-32 of its bytes and of the zeros behind them.
+ * the rendered file's header is to say: each a `name`, "cryptomatte/…", and a `text`. A picture has
+ * a `scene`, which is what the native module's start() takes, where {"array": k} stands for what is
+ * a buffer there; a `layer`; and `passes`, each with a `name`, `channels`, a letter each, the
+ * `plane` that it shows (a word of the module's image()) and the `exposure` that its first three
+ * are multiplied by. An array has a `type` (NumPy's word), a `shape`, an `offset` in the file
+ * behind the header, and a `checksum`: the CRC-32 of its bytes and of the zeros behind them.
  */
 #ifndef LIBSHADE_SCENE_FILE_H
 #define LIBSHADE_SCENE_FILE_H

@@ -386,6 +386,42 @@ def thin():
     assert not any("Thin Wall" in text or "Subsurface" in text for text, _error in report.told(scene)), report.told(scene)
 
 
+def dark():
+    """A Principled BSDF's emission below 0 takes away of what it reflects."""
+    scene, _known, _report = begin()
+    common.light(scene, "SUN", rotation=(0.5, 0.6, 0))
+    material = bpy.data.materials.new("dark")
+    node = material.node_tree.nodes["Principled BSDF"]
+    node.inputs["Emission Color"].default_value, node.inputs["Emission Strength"].default_value = (1, 0.2, 0.5, 1), -0.5
+    node.inputs["Specular IOR Level"].default_value = 0
+    common.plane(material, 1)
+    scene.libshade.samples = 64  # the plate is a light, too
+    seen = [[picture.mean((0, 1)) for picture in pictures(scene)] for node.inputs["Emission Strength"].default_value in (0, -0.5)]
+    for lit, dark in zip(*seen):
+        assert np.abs(lit - dark - (0.5, 0.1, 0.25)).max() < 2e-3, (lit, dark)
+
+
+def data():
+    """Denoising data have their names in Cycles' order; those that are missing are named."""
+    scene, _known, report = begin()
+    common.plane(common.shown(False)[0], 1)
+    layer = bpy.context.view_layer
+    layer.libshade.denoising_store_passes = layer.cycles.denoising_store_passes = True
+    settings = scene.render.image_settings
+    settings.media_type, settings.file_format = "MULTI_LAYER_IMAGE", "OPEN_EXR_MULTILAYER"
+    names = []
+    for engine in ("CYCLES", "LIBSHADE"):
+        scene.render.engine = engine
+        common.render(PICTURE)
+        with open(PICTURE, "rb") as file:
+            text = file.read().decode("latin-1")
+        places = {name: text.find(f"Denoising {name}") for name in ("Albedo", "Specular Albedo", "Normal", "Roughness", "Depth")}
+        names.append([name for name in sorted(places, key=places.get) if places[name] >= 0])
+    missing = ("Specular Albedo", "Roughness")
+    assert set(missing) < set(names[0]) and names[1] == [name for name in names[0] if name not in missing], names
+    assert any(all(f"Denoising {name}" in said for name in missing) for said, _error in report.told(scene)), report.told(scene)
+
+
 globals()[what]()
 print("all asserted")
 common.finish()
