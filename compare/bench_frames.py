@@ -45,6 +45,7 @@ BEFORE, FRAMES = programs.BUILD / "before", programs.BUILD / "frames"
 EXAMPLES = programs.ROOT / "examples"
 LEAST = 3  # pairs of each scene, whatever time they take
 SUZANNE = FRAMES / "suzanne.blend"
+NOT_FROM_MAKE = dict.fromkeys(("MAKEFLAGS", "MFLAGS", "MAKEOVERRIDES", "MAKELEVEL"), "")  # of the make that runs this
 SURE = 0.005  # of a median: its standard error
 SAME = 1e-5  # pictures, largest difference
 # POV-Ray's pictures, so that one takes about half a second
@@ -138,17 +139,18 @@ def before(word):
         if fetched.is_dir() and not (root / "build/povray/download").exists():
             shutil.copytree(fetched, root / "build/povray/download", copy_function=shutil.copy)
         report.step(f"Building {word} in {root.relative_to(programs.ROOT)} (minutes)", ["make", f"-j{os.cpu_count() or 1}", *goals(root)],
-                    root / "built.log", {name: "" for name in ("MAKEFLAGS", "MFLAGS", "MAKEOVERRIDES", "MAKELEVEL")}, root)
+                    root / "built.log", NOT_FROM_MAKE, root)
         (root / "built").touch()
     return Side(root, root / "frames")
 
 
 def goals(root):
-    """The add-on, without its assets and its manual, and POV-Ray."""
+    """The add-on, without its assets and its manual, and POV-Ray; as that commit's Makefile calls its native files."""
     source, made = root / "blender_addon_c", "build/blender/addons/libshade"
     files = [path.relative_to(source) for path in python_of(source)]
-    libraries = (path.relative_to(programs.BUILD) for path in Path(programs.BUILD).glob("blender/addons/libshade/lib/*"))
-    return [f"{made}/_native.abi3.so", *(f"build/{path}" for path in libraries), *(f"{made}/{path}" for path in files), "povray"]
+    named = subprocess.run(["make", "--silent", "--no-print-directory", "NEEDS=", "--eval=native-names: ; @echo $(BLENDER_NATIVE)", "native-names"],
+                           cwd=root, env=os.environ | NOT_FROM_MAKE, capture_output=True, text=True, check=True)
+    return [*named.stdout.split(), *(f"{made}/{path}" for path in files), "povray"]
 
 
 def python_of(folder):

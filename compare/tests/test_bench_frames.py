@@ -110,3 +110,10 @@ def test_a_commits_add_on_has_the_modules_of_its_packages():
     assert len(packages) > 1
     for module in (module for package in packages for module in package.glob("*.py")):
         assert f"build/blender/addons/libshade/{module.parent.name}/{module.name}" in made
+
+
+def test_a_commits_add_on_has_its_own_libraries():
+    """By its Makefile, whatever lies in build/."""
+    native = [path for path in bench.goals(programs.ROOT) if path.endswith(".so")]
+    assert sorted(native) == [f"build/blender/addons/libshade/{name}.so" for name in (
+        "_native.abi3", "lib/libshade_embree", "lib/libshade_openexrcore", "lib/libshade_tbb")]
