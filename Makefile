@@ -20,7 +20,7 @@
 #   make compare-files  scenes of others, from packages, in our engine and in Cycles
 #   make pictures  the pictures of README.md, from a run of `make compare`
 #   make fuzz      SECONDS=60 of fuzzing for each parser, with clang
-#   make lint      layout of the code, licence lines
+#   make lint      layout of C, mistakes in Python and scripts, spelling, licences (.pre-commit-config.yaml)
 #   make compile_commands.json  how each C file is compiled, for clangd and its like
 #   make clean     remove build/
 # On Debian 12 and 13 each of them installs first what it needs (setup/setup.mk); elsewhere it names what is missing.
@@ -61,8 +61,11 @@ endif
 pictures: compare
 	$(PY) setup/pictures.py
 
-lint:
-	setup/lint.sh
+# without git, as from an archive, what needs no list of files
+lint: $(VENV_LINT)/done
+	@if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then \
+	  PRE_COMMIT_HOME=$(abspath $(B))/pre-commit $(VENV_LINT)/bin/pre-commit run --all-files --show-diff-on-failure; \
+	else setup/lint.sh; fi
 
 # what make would run, made nothing of: each line that compiles
 .PHONY: compile_commands.json

@@ -11,7 +11,6 @@ import os
 import sys
 
 import bpy
-import numpy as np
 
 MODULE = os.environ.get("LIBSHADE_MODULE", "libshade")
 VARIED = ("vary_brightness", "vary_tilt", "along_brightness", "along_tilt", "slub")

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """What study_speed.py's rows say: findings, charts, tables."""
-import numpy as np
 
 import fronts
 import style

@@ -80,7 +80,7 @@ def _detected(luminance, ppd, points):
     across = (x**2 / width**2 - 1) * bell if points else -x * bell
     whole = np.outer(bell, across)
     found = []
-    for first, second in ((bell, across), (across, bell)):
+    for first in (bell, across):
         # positive weights sum to 1, negative ones to -1
         kernel = [whole.clip(min=0).sum(), -whole.clip(max=0).sum()]
         up, down = np.clip(across, 0, None) / kernel[0], np.clip(across, None, 0) / kernel[1]

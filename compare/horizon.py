@@ -117,9 +117,9 @@ def write_chart(rows, path):
             plot.set_ylim(bottom=0)
             plot.grid(alpha=0.3)
         line[0].set_ylabel(label)
-    for plot, (name, axis) in zip(axes[0], columns):
+    for plot, (name, _) in zip(axes[0], columns):
         plot.set_title(f"error of the {name}", fontsize=10)
-    for plot, (name, axis) in zip(axes[-1], columns):
+    for plot, (_, axis) in zip(axes[-1], columns):
         plot.set_xlabel("elevation of the " + {"light": "light", "view": "eye"}[axis])
     handles, labels = axes[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)

@@ -8,7 +8,6 @@ import functools
 import hashlib
 import json
 import subprocess
-import time
 
 import numpy as np
 

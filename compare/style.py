@@ -252,7 +252,7 @@ def labels(axes, points, size=11, lines=()):
 
     def arranged(order):
         chosen = [None] * len(points)
-        for turn in range(4):
+        for _ in range(4):
             for k in order:
                 chosen[k] = int(beside(k, chosen).argmin())
         return sum(beside(k, chosen)[place] for k, place in enumerate(chosen)), chosen

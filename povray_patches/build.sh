@@ -19,7 +19,7 @@ here=$(dirname "$(readlink -f "$0")")
 unpatched=${UNPATCHED:-}
 case ${1-} in -h|--help) echo "$usage"; exit 0;; esac
 prepare=${PREPARE:-}
-[ $# -ge 3 ] || [ $# = 1 -a -n "$unpatched" ] || [ $# = 2 -a -n "$prepare" ] || { echo "$usage" >&2; exit 2; }
+[ $# -ge 3 ] || { [ $# = 1 ] && [ -n "$unpatched" ]; } || { [ $# = 2 ] && [ -n "$prepare" ]; } || { echo "$usage" >&2; exit 2; }
 
 mkdir -p "$1"
 out=$(readlink -f "$1")
@@ -56,7 +56,7 @@ source_entries() {
   codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
   suite=$(sed -n 's/^suite //p' "$here/UPSTREAM")
   for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
-    [ -f "$file" ] && sed -nE "s/^[[:space:]]*deb[[:space:]]+((\[[^]]*\][[:space:]]+)?[^[:space:]]+[[:space:]]+$codename[[:space:]].*)/deb-src \1/p" "$file" | sed -E "s/([[:space:]])$codename([[:space:]])/\1$suite\2/"
+    [ -f "$file" ] && sed -nE "s/^[[:space:]]*deb[[:space:]]+((\[[^]]*\][[:space:]]+)?[^[:space:]]+[[:space:]]+${codename}[[:space:]].*)/deb-src \1/p" "$file" | sed -E "s/([[:space:]])$codename([[:space:]])/\1$suite\2/"
   done >"$out/apt/debian.list" || true
   for file in /etc/apt/sources.list.d/*.sources; do
     [ -f "$file" ] && awk -v codename="$codename" -v suite="$suite" 'BEGIN { RS = ""; ORS = "\n\n" }
@@ -161,7 +161,7 @@ fi
 # Each file also compiled what makes boost's error codes those of the standard library, a sixth of a second:
 # nothing of POV-Ray's asks for that, and no class is laid out otherwise without it.
 headers=$out/headers.h
-if [ ! -e "$headers.gch" -o "$headers.gch" -ot "$out/configured" -o "$headers.gch" -ot "$here/build.sh" ]; then
+if [ ! -e "$headers.gch" ] || [ "$headers.gch" -ot "$out/configured" ] || [ "$headers.gch" -ot "$here/build.sh" ]; then
   printf '#define %s\n' BOOST_THREAD_FUTURE_HPP BOOST_NO_CXX11_HDR_SYSTEM_ERROR >"$headers.new"
   printf '#include <%s>\n' algorithm cctype cmath cstdio cstring list map queue set stack stdexcept string vector \
     boost/bind.hpp boost/function.hpp boost/functional/hash/hash.hpp boost/scoped_array.hpp boost/scoped_ptr.hpp \

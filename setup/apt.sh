@@ -22,7 +22,7 @@ missing() {
 [ -n "$(missing)" ] || exit 0
 
 if [ "$(id -u)" -eq 0 ]; then
-  as_root=env
+  as_root="env"
 elif command -v sudo >/dev/null; then
   as_root='sudo env'
 else

@@ -49,6 +49,7 @@ if ! cmp -s setup/packages-debian13.txt "$root/packages"; then
   {
     . "$setup/own_apt.sh"
     own_sources "deb MIRROR trixie main"
+    # shellcheck disable=SC2046  # names, a word each
     own_apt download $(sed 's/#.*//; s/$/:amd64/; /^:/d' "$setup/packages-debian13.txt")
     for package in *.deb; do dpkg-deb --extract "$package" ..; done
   } >"$log" 2>&1

@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 find_files() {
-  find . \( -path ./build -o -path ./.git -o -path ./LICENSES -o -name __pycache__ \) -prune \
+  find . \( -path ./build -o -path ./.git -o -path ./LICENSES -o -name __pycache__ -o -name ".*_cache" \) -prune \
     -o -type f "$@" -print
 }
 
@@ -35,6 +35,7 @@ for single in 0 1; do
 done
 
 # formats that hold no comments, and what fuzzers found
+# REUSE-IgnoreStart
 mapfile -t texts < <(find_files | grep -Ev '\.(json|blend|png|jpg|exr|svg|patch)$|/series$|/UPSTREAM$|/fuzz/corpus/')
 while IFS= read -r unlicensed; do
   echo "$unlicensed at its top" >&2
@@ -53,6 +54,7 @@ done < <(awk '
       if (!(ARGV[i] in found))
         print ARGV[i] ": no line \047SPDX-License-Identifier: " licence(ARGV[i]) "\047"
   }' "${texts[@]}")
+# REUSE-IgnoreEnd
 
 while IFS=: read -r file line citation; do
   grep -q "{${citation#[}," REFERENCES.bib || {

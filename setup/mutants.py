@@ -164,8 +164,10 @@ class Noticed:
     """setup/mutants-noticed.txt: a mistake a line, a tab, and who noticed it; of mistakes not judged again it stays."""
 
     FILE = ROOT / "setup" / "mutants-noticed.txt"
+    # REUSE-IgnoreStart
     HEAD = ("# SPDX-License-Identifier: Apache-2.0\n# Made by setup/mutants.py --table: a mistake, and the tests that "
             "noticed it. Not all mistakes have been judged.\n")
+    # REUSE-IgnoreEnd
 
     def __init__(self, known):
         lines = self.FILE.read_text(encoding="utf-8").splitlines() if self.FILE.exists() else []

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh
 # Sourced: `own_apt` is apt-get with lists and files of its own, in the folder where this is sourced. It asks Debian's
 # archive and checks what it gets; it needs no root, and what this system is made of stays as it is.
 #   own_sources "deb MIRROR trixie main"...   first: what it knows; MIRROR is that of this system

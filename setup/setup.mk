@@ -11,7 +11,8 @@ VENV := $(B)/venv
 VENV_BPY := $(B)/venv-bpy
 VENV_PEERS := $(B)/venv-peers
 VENV_RELEASE := $(B)/venv-release
-VENVS := $(VENV) $(VENV_BPY) $(VENV_PEERS) $(VENV_RELEASE) $(B)/venv-bpy-4.2 $(B)/venv-bpy-4.5
+VENV_LINT := $(B)/venv-lint
+VENVS := $(VENV) $(VENV_BPY) $(VENV_PEERS) $(VENV_RELEASE) $(VENV_LINT) $(B)/venv-bpy-4.2 $(B)/venv-bpy-4.5
 RELEASE_SOURCES := $(B)/release/debian
 PY := $(VENV)/bin/python
 PY_BPY := $(VENV_BPY)/bin/python
@@ -67,6 +68,7 @@ endif
 $(S)/demo.stamp: $(VENV)/done
 $(S)/test.stamp: $(VENV)/done $(VENV_BPY)/done
 $(S)/peers.stamp: $(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done
+$(S)/lint.stamp: $(VENV_LINT)/done
 $(S)/release.stamp: $(VENV_RELEASE)/done $(RELEASE_SOURCES)/done
 
 PINS = $<
@@ -75,6 +77,7 @@ $(VENV_BPY)/done: $(wildcard setup/requirements-bpy-*.txt)
 $(VENV_BPY)/done: PINS = setup/requirements-bpy-$(BPY_OF_IT).txt
 $(VENV_PEERS)/done: setup/requirements-peers.txt
 $(VENV_RELEASE)/done: setup/requirements-release.txt
+$(VENV_LINT)/done: setup/requirements-lint.txt
 # of two wheels a few files are wanted
 $(VENV_RELEASE)/done: PIP_FLAGS := --no-deps --no-compile
 # of 4.2 and 4.5 for make soak

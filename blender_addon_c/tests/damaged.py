@@ -69,7 +69,7 @@ def other_scene(path, header, arrays, chance):
         what = chance.random()
         if what < 0.2 and arrays:
             array = chance.choice(arrays)
-            for k in range(chance.choice((1, array.size))) if array.size else ():
+            for _ in range(chance.choice((1, array.size))) if array.size else ():
                 number = chance.choice(NUMBERS if array.dtype.kind == "f" else WHOLE)
                 array[chance.randrange(array.size)] = number if array.dtype.kind == "f" else number % (np.iinfo(array.dtype).max + 1)
         elif what < 0.35 and isinstance(holder, dict):

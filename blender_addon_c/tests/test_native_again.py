@@ -7,7 +7,7 @@ import os
 import numpy as np
 import pytest
 
-from native_scenes import (area, box, finish, image, look_at, material, native, ortho, persp, point, registers, scene,
+from native_scenes import (area, box, finish, image, material, native, ortho, persp, point, registers, scene,
                            sky, sphere, square, sun)
 
 COST = 5.4

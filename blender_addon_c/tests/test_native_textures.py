@@ -6,7 +6,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from native_scenes import image, look_at, native, ortho, registers, render, scene, square
+from native_scenes import image, look_at, native, ortho, registers, render, scene
 
 COST = 0.95
 

@@ -28,7 +28,10 @@ def planes(size=64):
     return result
 
 
-def write(path, channels, header=({"version": "0", "materials": []})):
+EMPTY_HEADER = {"version": "0", "materials": []}
+
+
+def write(path, channels, header=EMPTY_HEADER):
     """Write planes as a dump; `header` as JSON, None leaves the attribute out."""
     names = sorted(channels)
     height, width = channels[names[0]].shape

@@ -136,7 +136,9 @@ def split_ln2(single):
     return float(high), rounded(LN2 - high, single)
 
 
+# REUSE-IgnoreStart
 print("/* SPDX-License-Identifier: Apache-2.0 */")
+# REUSE-IgnoreEnd
 print("/* Made by coefficients.py; do not edit. */")
 print("#ifndef SHADE_COEFFICIENTS_H\n#define SHADE_COEFFICIENTS_H\n")
 # s = f/(2+f), 1+f in [sqrt(1/2), sqrt(2)]: |s| <= 3 - 2 sqrt(2)

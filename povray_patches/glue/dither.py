@@ -44,7 +44,9 @@ def arrange(rng):
 
 def main():
     numbers = np.floor(arrange(np.random.default_rng(12)) * 256).astype(int)
+    # REUSE-IgnoreStart
     print("// SPDX-License-Identifier: AGPL-3.0-or-later")
+    # REUSE-IgnoreEnd
     print("// Made by dither.py: for each pixel of a tile two numbers in 256ths.")
     print("#ifndef POVRAY_BACKEND_MDF_DITHER_H\n#define POVRAY_BACKEND_MDF_DITHER_H\n")
     print("#include <cstdint>\n\n// clang-format off")

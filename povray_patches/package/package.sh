@@ -14,7 +14,7 @@ povray=$(readlink -f "$1")
 mkdir -p "$2"
 out=$(readlink -f "$2")
 
-name=povray-libshade
+name="povray-libshade"
 version=$(sed -n 's/^version .*:\(.*\)-.*/\1/p' "$here/../UPSTREAM")+libshade$(sed -n 's/^#define SHADE_VERSION "\(.*\)"/\1/p' "$top/libshade/include/shade/shade.h")
 architecture=$(dpkg --print-architecture)
 maintainer="${DEBFULLNAME:-libshade} <${DEBEMAIL:-libshade@libshade.invalid}>"
@@ -92,6 +92,6 @@ put 644 -t "$out/$folder/share/doc/$name" "$top/LICENSES/Apache-2.0.txt"
 sed "s/@VERSION@/$version/; s/@DEPENDS@/$depends/" "$here/README" | fold -sw 100 >"$out/$folder/README"
 find "$out/$folder" -exec touch -hd "@$SOURCE_DATE_EPOCH" {} +
 tar --sort=name --owner=0 --group=0 --numeric-owner --mode=go-w -C "$out" -c "$folder" | xz -T1 >"$out/$folder.tar.xz"
-rm -r "$out/$folder" "$build"
+rm -r "${out:?}/$folder" "$build"
 echo "package: $out/${name}_${version}_$architecture.deb"
 echo "package: $out/$folder.tar.xz"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scenes import HEADER, SUN, LAMP, scene
+from scenes import SUN, scene
 
 COST = 79
 

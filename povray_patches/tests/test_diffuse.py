@@ -111,7 +111,7 @@ def test_radiosity_takes_the_albedo(picture, shade, model, k):
     t /= np.linalg.norm(t)
     rng = (np.arange(120) + .5) / 120
     cosine, phi = np.meshgrid(rng, 2 * np.pi * rng, indexing="ij")
-    along, across = np.sqrt(1 - cosine ** 2) * np.cos(phi), np.sqrt(1 - cosine ** 2) * np.sin(phi)
+    across = np.sqrt(1 - cosine ** 2) * np.sin(phi)
     lean = np.sqrt(across ** 2 + cosine ** 2)  # sqrt(1 - (l.t)^2)
     if model == "max_normal":
         value = lean

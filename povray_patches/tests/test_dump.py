@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scenes import HEADER, LAMP, OBJECTS, SUN, dot, finish, largest_error, normalise, saddle, scene
+from scenes import LAMP, OBJECTS, SUN, dot, finish, largest_error, normalise, saddle, scene
 
 COST = 8.6
 

@@ -40,7 +40,9 @@ def test_check_notices_a_difference(povray, unpatched, tmp_path):
 @pytest.mark.parametrize("name", SERIES)
 def test_patch_says_why(name):
     header = (PATCHES / name).read_text().split("\n--- ")[0]
+    # REUSE-IgnoreStart
     assert "SPDX-License-Identifier: AGPL-3.0-or-later" in header
+    # REUSE-IgnoreEnd
     assert len(re.search(r"Description: .+\n((?: .+\n)+)", header).group(1).split()) > 20
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scenes import HEADER, SUN, dot, finish, normalise, scene
+from scenes import dot, finish, normalise, scene
 from test_bump_image import TOP, mapped, quad, random_map, write
 
 COST = 8.2

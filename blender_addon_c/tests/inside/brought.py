@@ -106,7 +106,7 @@ def _groups(_scene, _options):
     image.pixels.foreach_set(np.random.default_rng(7).random(256).astype(np.float32))
     inner = None
     for number, kind in enumerate(("ShaderNodeTexVoronoi", "ShaderNodeTexImage", "ShaderNodeGroup")):
-        inner, group = _group(kind, inner, image), inner
+        inner = _group(kind, inner, image)
         material, tree, color = _shining(f"group {number}")
         node = tree.nodes.new("ShaderNodeGroup")
         node.node_tree = inner

@@ -277,7 +277,7 @@ def test_linked():
     path, other = saved(), os.path.join(folder, "links.blend")
     common.empty_scene()
     material = taken(path, link=True)
-    material_name, library = material.name, material.library
+    library = material.library
     assert_seen(cloth_of(material), library)
     own = new_cloth("DENIM", even=False)[2]
     own.warp_curve = 0.4

@@ -258,7 +258,7 @@ def toruses(folder):
 def sockets(folder):
     """Libshade Metal told by its sockets: by what varies over a ball, in both engines; by numbers in ours."""
     for engine in ("CYCLES", "LIBSHADE"):
-        scene = new_scene(engine)
+        new_scene(engine)
         bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5)
         ball = common.added(None)
         common.smooth(ball.data)
@@ -295,7 +295,7 @@ def sockets(folder):
 def grains(folder):
     """A ball of Libshade Metal by each kind of grain, in both engines; at last without a UV map."""
     for engine in ("CYCLES", "LIBSHADE"):
-        scene = new_scene(engine)
+        new_scene(engine)
         bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5)
         ball = common.added(None)
         common.smooth(ball.data)

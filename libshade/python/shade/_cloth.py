@@ -9,9 +9,9 @@ import weakref
 import numpy as np
 
 from . import _structs as structs
-from ._arrays import Call, Status, gather
+from ._arrays import Call, gather
 from ._library import LIB, Preset, one_of, rows, text, words
-from ._material import UP, choices, numbers
+from ._material import choices, numbers
 
 PresetRow = collections.namedtuple(
     "PresetRow", "kind label help source color_source weave ends_per_cm picks_per_cm scratch_cm turned")

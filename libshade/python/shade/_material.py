@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _structs as structs
 from ._arrays import Call, gather
-from ._library import LIB, PARAMS_SIZE, Preset, one_of, plain, rows, text, words
+from ._library import LIB, PARAMS_SIZE, Preset, one_of, rows, text, words
 
 Parameter = collections.namedtuple(
     "Parameter", "word unit help components minimum maximum initial list choices")
