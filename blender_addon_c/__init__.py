@@ -5,7 +5,7 @@ bl_info = {
     "name": "libshade",
     "description": "Anisotropic metal, cloth and scratches: engine and nodes",
     "author": "libshade",
-    "version": (0, 2, 0),
+    "version": (0, 3, 0),
     "blender": (3, 4, 0),
     "location": "Render Properties > Render Engine; Shader Editor > Add",
     "category": "Render",

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-up where there is no apt: what is missing is named as that system names it."""
+"""Set-up where there is no apt: what is missing is named as that system names it. And of the whole house: one version, and what is new
+in it."""
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -8,7 +10,8 @@ import pytest
 
 COST = 1
 
-SETUP = Path(__file__).resolve().parents[2] / "setup"
+ROOT = Path(__file__).resolve().parents[2]
+SETUP = ROOT / "setup"
 WORDS = "sh sed awk tr cat dirname printf env cc c++ gcc g++ as ld make pkg-config python3".split()
 SYSTEMS = {"fedora": 'ID=fedora\n', "rocky": 'ID="rocky"\nID_LIKE="rhel centos fedora"\n', "arch": "ID=arch\n", "other": "ID=void\n"}
 
@@ -71,3 +74,24 @@ def test_signs_are_those_of_packages():
     assert installed
     done = subprocess.run(["/bin/sh", SETUP / "elsewhere.sh", "/dev/stdin"], input="\n".join(installed), capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_one_version_everywhere():
+    """That of shade.h, which the library, its pkg-config file and POV-Ray's package are made by."""
+    def found(file, pattern):
+        return re.search(pattern, (ROOT / file).read_text(encoding="utf-8"), re.M)[1]
+    version = found("libshade/include/shade/shade.h", r'^#define SHADE_VERSION "(.*)"')
+    assert found("blender_addon_c/blender_manifest.toml", r'^version = "(.*)"') == version
+    assert found("blender_addon_c/__init__.py", r'^ *"version": \((.*)\),').replace(", ", ".") == version
+    for page in (ROOT / "libshade" / "man").iterdir():
+        assert found(page, r'^\.TH .* "libshade (\S+)"') == version, page
+    assert found("NEWS.md", r"^## (\S+)") == version
+    for tool in ("shade", "shade-render"):
+        if (ROOT / "build" / tool).exists():
+            said = subprocess.run([ROOT / "build" / tool, "--version"], capture_output=True, text=True, check=True).stdout
+            assert said.split()[:2] == [tool, version]
+
+
+def test_news_are_short():
+    releases = re.split(r"^## ", (ROOT / "NEWS.md").read_text(encoding="utf-8"), flags=re.M)[1:]
+    assert releases and all(len(release.strip().splitlines()) <= 22 for release in releases)  # its name, an empty line, twenty

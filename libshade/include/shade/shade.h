@@ -34,7 +34,7 @@ extern "C" {
 #define SHADE_API
 #endif
 
-#define SHADE_VERSION "0.2.0"
+#define SHADE_VERSION "0.3.0"
 
 #define SHADE_ENUM_ROW_(prefix, NAME, value) prefix##NAME = value,
 #define SHADE_MDF_ROW_(NAME, word, value, label, help) SHADE_ENUM_ROW_(SHADE_MDF_, NAME, value)
