@@ -10,6 +10,7 @@
 #   make povray-package  it as a package for Debian, beside Debian's own, and as an archive that runs from any folder
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all
 #   make compare-quick  a smaller report, in two minutes once all is built
+#   make manual    build/manual/html/index.html, from docs/
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall
 #   make soak      all tests under sanitizers and as clang compiles them, a hundred million awkward cases, more of both renderers
 #   make bench     speed against accuracy
@@ -60,6 +61,15 @@ endif
 
 pictures: compare
 	$(PY) setup/pictures.py
+
+# warnings are errors: a page that nothing leads to, a link that leads nowhere
+.PHONY: manual
+MANUAL := $(B)/manual/html
+manual: $(MANUAL)/index.html
+$(MANUAL)/index.html: $(VENV_MANUAL)/done $(shell find docs -type f) $(L)/include/shade/shade.h
+	$(call say,manual   ,$@)
+	$(Q)$(VENV_MANUAL)/bin/sphinx-build -q -W --keep-going -b html -d $(B)/manual/doctrees docs $(@D)
+	@touch $@
 
 # without git, as from an archive, what needs no list of files
 lint: $(VENV_LINT)/done

@@ -12,7 +12,8 @@ VENV_BPY := $(B)/venv-bpy
 VENV_PEERS := $(B)/venv-peers
 VENV_RELEASE := $(B)/venv-release
 VENV_LINT := $(B)/venv-lint
-VENVS := $(VENV) $(VENV_BPY) $(VENV_PEERS) $(VENV_RELEASE) $(VENV_LINT) $(B)/venv-bpy-4.2 $(B)/venv-bpy-4.5
+VENV_MANUAL := $(B)/venv-manual
+VENVS := $(VENV) $(VENV_BPY) $(VENV_PEERS) $(VENV_RELEASE) $(VENV_LINT) $(VENV_MANUAL) $(B)/venv-bpy-4.2 $(B)/venv-bpy-4.5
 RELEASE_SOURCES := $(B)/release/debian
 PY := $(VENV)/bin/python
 PY_BPY := $(VENV_BPY)/bin/python
@@ -78,6 +79,7 @@ $(VENV_BPY)/done: PINS = setup/requirements-bpy-$(BPY_OF_IT).txt
 $(VENV_PEERS)/done: setup/requirements-peers.txt
 $(VENV_RELEASE)/done: setup/requirements-release.txt
 $(VENV_LINT)/done: setup/requirements-lint.txt
+$(VENV_MANUAL)/done: setup/requirements-manual.txt
 # of two wheels a few files are wanted
 $(VENV_RELEASE)/done: PIP_FLAGS := --no-deps --no-compile
 # of 4.2 and 4.5 for make soak
