@@ -20,6 +20,8 @@ exclude_patterns = ["blender.md", "povray.md", "library.md", "papers.md", "pytho
 
 html_theme = "furo"
 html_title = f"libshade {release}"
+html_static_path = ["_static"]
+html_css_files = ["libshade.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
