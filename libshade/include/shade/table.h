@@ -36,7 +36,7 @@
 /*
  * Defaults that changed: ROW(version, LIST, before). The list's default was `before` in all
  * versions of the defaults below that one; SHADE_DEFAULTS is the newest. What a change takes:
- * docs/develop/README.md, "A default that changes".
+ * docs/develop/defaults.md.
  */
 #define SHADE_DEFAULTS 1
 #define SHADE_TABLE_CHANGES(ROW) ROW(1, BRDF, ASHIKHMIN_SHIRLEY)
