@@ -66,6 +66,12 @@ static void narrow(bsdf *b) {
   f->share_diffuse = (float)d->share_diffuse;
 }
 
+shade_brdf shade_params_brdf(const shade_params *given) {
+  unsigned unused = SHADE_OK;
+  const shade_params p = shade_params_within_ranges(given, &unused);
+  return shade_brdf_with(p.mdf, p.brdf);
+}
+
 unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   unsigned status = SHADE_OK;
   const shade_params p = shade_params_within_ranges(given, &status);
@@ -73,7 +79,7 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   memset(out, 0, sizeof *out);
   b->isa = shade_isa_chosen();
   b->mdf = p.mdf;
-  b->brdf = p.brdf;
+  b->brdf = shade_brdf_with(p.mdf, p.brdf);
   b->detail = p.detail;
   b->fresnel = p.fresnel;
   b->diffuse = p.diffuse;

@@ -390,7 +390,8 @@ typedef struct lobe_widths {
  * all lights, if not at the peak.
  */
 static double narrowed(const shade_params *p) {
-  return fmin(shade_mdf_is(p->mdf).narrowed, p->brdf == SHADE_BRDF_MICROFACET ? 1 : 0.5);
+  const int shadowed = shade_brdf_with(p->mdf, p->brdf) == SHADE_BRDF_MICROFACET;
+  return fmin(shade_mdf_is(p->mdf).narrowed, shadowed ? 1 : 0.5);
 }
 
 static lobe_widths widths_of(const shade_params *p) {

@@ -78,7 +78,7 @@ static void every_choice(void **state) {
   directions d;
   (void)state;
   for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++)
-    for (int brdf = 0; brdf < SHADE_BRDF_COUNT; brdf++)
+    for (int brdf = 0; brdf < SHADE_BRDF_AUTO; brdf++)
       for (int detail = 0; detail < SHADE_DETAIL_COUNT; detail++)
         for (int horizon = 0; horizon < SHADE_HORIZON_COUNT; horizon++) {
           const int other = mdf + brdf + detail + horizon; /* the others take turns */

@@ -60,10 +60,12 @@ typedef struct shade_fabric_params {
    * terminator instead of ending in a line (CONVENTIONS.md, "Shadows of yarns"). 0: as if each
    * yarn were alone; so for callers whose `size` ends before it. */
   int shadows;
+  size_t defaults; /* as in shade_params: SHADE_BRDF_AUTO, the default, is Ashikhmin-Shirley's for
+                    * callers whose `size` ends before it */
 } shade_fabric_params;
 
-/* Ashikhmin-Shirley, rotate, fibre diffuse; exponents 100 and 10, f0 .04, kd .5, no nap,
- * nothing transmitted, SHADE_HORIZON_VALID_ESTEVEZ, shadows. */
+/* Ashikhmin-Shirley (brdf auto), rotate, fibre diffuse; exponents 100 and 10, f0 .04, kd .5, no
+ * nap, nothing transmitted, SHADE_HORIZON_VALID_ESTEVEZ, shadows. */
 SHADE_API void shade_fabric_params_init(shade_fabric_params *p);
 
 /*

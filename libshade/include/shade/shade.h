@@ -109,6 +109,7 @@ typedef struct shade_params {
   double kd[3];        /* diffuse reflectance, linear RGB, [0, 1]; 0: no diffuse part */
   double eta[3], k[3]; /* for SHADE_FRESNEL_CONDUCTOR: complex index, [1e-3, 100] and [0, 100] */
   shade_horizon horizon;
+  size_t defaults; /* version of the defaults that were filled in; 0 where `size` ends before it */
 } shade_params;
 
 /*
@@ -121,6 +122,15 @@ typedef struct shade_bsdf {
 
 /* Set every member of *p to its default in the table (table.h). */
 SHADE_API void shade_params_init(shade_params *p);
+/*
+ * The same with the defaults of an older version, 0 (libshade 0.2) to SHADE_DEFAULTS; one that does
+ * not exist counts as the nearest. What differs: SHADE_TABLE_CHANGES of table.h.
+ */
+SHADE_API void shade_params_init_as(shade_params *p, int defaults);
+
+/* The BRDF that *p is shaded with: what `auto` stands for with its distribution, else p->brdf. Of
+ * p->size as shade_bsdf_setup has it. */
+SHADE_API shade_brdf shade_params_brdf(const shade_params *p);
 
 /*
  * Set the exponents and the matching alphas (e = 2/alpha^2 - 2; alpha is
@@ -181,7 +191,8 @@ SHADE_API int shade_params_set_metal(shade_params *p, const char *word);
  * the first of their list (SHADE_BAD_CHOICE). *b is always usable afterwards.
  * Ashikhmin-Shirley reads ex and ey, every other distribution ax and ay. Members beyond
  * p->size keep their defaults, so that callers built against an older header work; for those
- * without `horizon` it is `hard`, as it was then. Where nobody set the size (it is below
+ * without `horizon` it is `hard`, as it was then, and SHADE_BRDF_AUTO, the default since there is
+ * `defaults`, is Ashikhmin-Shirley's for those without it. Where nobody set the size (it is below
  * sizeof(size_t), as in `= {0}` without shade_params_init) nothing of *p is taken: all defaults,
  * SHADE_BAD_INPUT; so with every structure of parameters. p NULL: all defaults.
  */
@@ -509,6 +520,9 @@ typedef struct shade_list_info {
   size_t offset;      /* of its member in shade_params, an enum */
 } shade_list_info;
 SHADE_API int shade_list_about(shade_list list, shade_list_info *info);
+/* A list's default in a version of the defaults (shade_params_init_as); -1 for a list that does not
+ * exist. */
+SHADE_API int shade_list_default(shade_list list, int defaults);
 
 /* One numeric parameter of the table, into *info unless that is NULL; returns 0 past the end.
  * components is 1 or 3. */
