@@ -251,18 +251,12 @@ static cloth block_of(const prepared *block, size_t count) {
 /* Copies that hold NULL beyond the caller's size. */
 static fabric_lanes known_lanes(const fabric_lanes *in) {
   fabric_lanes known;
-  if (in)
-    shade_copy_lanes(in, &known, sizeof known);
-  else
-    memset(&known, 0, sizeof known);
+  shade_copy_lanes(in, &known, sizeof known);
   return known;
 }
 static fabric_result known_result(const fabric_result *out) {
   fabric_result known;
-  if (out)
-    shade_copy_lanes(out, &known, sizeof known);
-  else
-    memset(&known, 0, sizeof known);
+  shade_copy_lanes(out, &known, sizeof known);
   return known;
 }
 
