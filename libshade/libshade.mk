@@ -45,7 +45,7 @@ O := $(B)/obj
 PRECISIONS := float double
 in_both = $(foreach name,$(1),$(PRECISIONS:%=$(O)/src/$(name)_%.o))
 isa_units = $(call in_both,$(1:%=isa_%))
-SHADE_OBJ := $(call isa_units,$(ISAS)) $(call in_both,dispatch fabric_eval) $(O)/src/isa.o $(O)/src/params.o $(O)/src/setup.o \
+SHADE_OBJ := $(call isa_units,$(ISAS)) $(call in_both,dispatch fabric_eval) $(O)/src/isa.o $(O)/src/status.o $(O)/src/params.o $(O)/src/setup.o \
   $(O)/src/roughness.o $(O)/src/tangents.o \
   $(O)/src/draft.o $(O)/src/weave.o $(O)/src/wif_words.o $(O)/src/wif_read.o \
   $(O)/src/wif_draft.o $(O)/src/wif_write.o

@@ -81,7 +81,7 @@ typedef struct fabric_lean {
 
 struct shade_fabric {
   int isa; /* of shade_isa_tables: what it runs on */
-  const shade_weave *weave;
+  shade_weave *weave;
   fabric_side side[2]; /* by shade_top: weft, warp */
   double backing[3];
   int draft_colors, uneven; /* uneven: the brightness or width of the yarns varies */

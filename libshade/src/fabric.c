@@ -247,6 +247,7 @@ void shade_fabric_free(shade_fabric *f) {
   free(f->table);
   free(f->strip[0]);
   free(f->strip[1]);
+  shade_weave_free(f->weave);
   free(f);
 }
 
@@ -259,7 +260,7 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
     return NULL;
   const shade_draft *draft = shade_weave_draft(weave);
   f->isa = shade_isa_chosen();
-  f->weave = weave;
+  f->weave = shade_weave_share(weave);
   memcpy(f->backing, p.backing, sizeof f->backing);
   memcpy(f->nap_color, p.nap_color, sizeof f->nap_color);
   f->nap = p.nap;

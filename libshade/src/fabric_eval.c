@@ -132,7 +132,8 @@ unsigned shade_fabric_prepare(const shade_fabric *f, const fabric_point *given, 
                               shade_fabric_tier tier, fabric_hit *hit, real *coverage) {
   fabric_point p;
   shade_fabric_point_init(f, &p);
-  if (given)
+  const int known = !given || given->size >= sizeof given->size;
+  if (given && known)
     memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
   const fabric_lanes in = {.size = sizeof in,
                            .u = p.uv,
@@ -155,7 +156,8 @@ unsigned shade_fabric_prepare(const shade_fabric *f, const fabric_point *given, 
                            .warp_gloss = &p.warp_gloss,
                            .weft_gloss = &p.weft_gloss,
                            .nap = &p.nap};
-  const unsigned status = prepare(f, &in, tier, hit);
+  const unsigned status =
+      prepare(f, &in, tier, hit) | (known ? SHADE_OK : (unsigned)SHADE_BAD_INPUT);
   if (coverage)
     *coverage = coverage_of(hit);
   return status;

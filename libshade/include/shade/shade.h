@@ -34,7 +34,11 @@ extern "C" {
 #define SHADE_API
 #endif
 
+/* Of this header; the library's own: shade_version. */
 #define SHADE_VERSION "0.2.0"
+#define SHADE_VERSION_MAJOR 0
+#define SHADE_VERSION_MINOR 2
+#define SHADE_VERSION_PATCH 0
 
 #define SHADE_ENUM_ROW_(prefix, NAME, value) prefix##NAME = value,
 #define SHADE_MDF_ROW_(NAME, word, value, label, help) SHADE_ENUM_ROW_(SHADE_MDF_, NAME, value)
@@ -88,6 +92,12 @@ enum {
   SHADE_NO_SAMPLE = 16         /* a draw found no direction: wi, f and pdf are 0 */
 };
 
+/* The same in a few words, "ok" or "parameter clamped, bad input"; the text stays. */
+SHADE_API const char *shade_status_text(unsigned status);
+
+/* The version of the library that is linked, as SHADE_VERSION. */
+SHADE_API const char *shade_version(void);
+
 /*
  * A material as its author states it. Fill it with shade_params_init, change
  * what is needed, then hand it to shade_bsdf_setup. By name or row: shade_params_set and
@@ -124,7 +134,8 @@ SHADE_API void shade_params_init(shade_params *p);
 
 /*
  * Set the exponents and the matching alphas (e = 2/alpha^2 - 2; alpha is
- * clamped to [1e-4, 10]). Returns status bits.
+ * clamped to [1e-4, 10]). Returns status bits. These, and shade_params_set_roughness, set nothing
+ * where nobody set p->size: SHADE_BAD_INPUT.
  */
 SHADE_API unsigned shade_params_set_exponents(shade_params *p, double ex, double ey);
 
