@@ -254,11 +254,12 @@ static double mean_fill(double share, double slub) {
 void shade_fabric_free(shade_fabric *f) {
   if (!f)
     return;
-  fabric_table_free(f->side[0].table);
-  fabric_table_free(f->side[1].table);
+  shade_fabric_table_free(f->side[0].table);
+  shade_fabric_table_free(f->side[1].table);
   free(f->table);
   free(f->strip[0]);
   free(f->strip[1]);
+  shade_weave_free(f->weave);
   free(f);
 }
 
@@ -271,7 +272,7 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
     return NULL;
   const shade_draft *draft = shade_weave_draft(weave);
   f->isa = shade_isa_chosen();
-  f->weave = weave;
+  f->weave = shade_weave_share(weave);
   memcpy(f->backing, p.backing, sizeof f->backing);
   memcpy(f->nap_color, p.nap_color, sizeof f->nap_color);
   f->nap = p.nap;
@@ -314,10 +315,11 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
       double length = hypot(clouds[k].tx, clouds[k].ty);
       side->tx = length > 0 ? clouds[k].tx / length : k == SHADE_TOP_WEFT;
       side->ty = length > 0 ? clouds[k].ty / length : k == SHADE_TOP_WARP;
-      fabric_set_side(side, &p, k ? &p.warp : &p.weft, clouds[k].looks, clouds[k].count, &bits);
+      shade_fabric_set_side(side, &p, k ? &p.warp : &p.weft, clouds[k].looks, clouds[k].count,
+                            &bits);
     }
     if (p.shadows && p.detail != SHADE_DETAIL_NONE) /* where tilts lean away, there are shadows */
-      fabric_set_shadows(f);
+      shade_fabric_set_shadows(f);
   }
   free(clouds[0].looks);
   free(clouds[1].looks);

@@ -194,10 +194,14 @@ static unsigned set_axis(shade_params *p, int axis, int row, double x) {
 }
 
 unsigned shade_params_set_exponents(shade_params *p, double ex, double ey) {
+  if (!shade_size_is_set(p->size))
+    return SHADE_BAD_INPUT;
   return set_axis(p, 0, PARAM_ex, ex) | set_axis(p, 1, PARAM_ey, ey);
 }
 
 unsigned shade_params_set_alphas(shade_params *p, double ax, double ay) {
+  if (!shade_size_is_set(p->size))
+    return SHADE_BAD_INPUT;
   return set_axis(p, 0, PARAM_ax, ax) | set_axis(p, 1, PARAM_ay, ay);
 }
 
@@ -254,7 +258,7 @@ shade_params shade_whole_params(const shade_params *given) {
   for (int list = 0; list < SHADE_LIST_COUNT; list++)
     *choice_at(&p, (shade_list)list) = lists[list].about.older;
   p.defaults = 0;
-  if (given && given->size >= sizeof given->size) {
+  if (given && shade_size_is_set(given->size)) {
     memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
     if (given->size <= offsetof(shade_params, defaults))
       p.brdf = shade_brdf_before_auto(p.brdf);
@@ -266,7 +270,7 @@ shade_params shade_whole_params(const shade_params *given) {
 
 shade_params shade_params_within_ranges(const shade_params *given, unsigned *status) {
   shade_params p = shade_whole_params(given);
-  if (given && given->size < sizeof given->size)
+  if (given && !shade_size_is_set(given->size))
     *status |= SHADE_BAD_INPUT;
   for (int list = 0; list < SHADE_LIST_COUNT; list++)
     *status |= shade_params_set_choice(&p, (shade_list)list, *choice_at(&p, (shade_list)list));

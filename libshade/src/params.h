@@ -7,6 +7,11 @@
 #include "shade/fabric.h"
 #include "shade/shade.h"
 
+/* Whether somebody set the size that a structure begins with. */
+static inline int shade_size_is_set(size_t size) {
+  return size >= sizeof size;
+}
+
 /*
  * *given, with the defaults for members beyond given->size; but `hard` for the horizon, which
  * was the rule before there was a choice, and the defaults of version 0 where it ends before
