@@ -12,6 +12,7 @@
 #   make compare-quick  a smaller report, in two minutes once all is built
 #   make manual    build/manual/html/index.html, from docs/
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall
+#   make abi       the interface of the library as a text, libshade/abi/libshade.abi, which a test compares it with
 #   make soak      all tests under sanitizers and as clang compiles them, a hundred million awkward cases, more of both renderers
 #   make bench     speed against accuracy
 #   make bench-pairs BEFORE=COMMIT  whether a row of it is slower than that commit's

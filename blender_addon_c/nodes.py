@@ -51,6 +51,11 @@ def _initial_choice(name):
     return _TABLE["about"][name]["initial"]
 
 
+def _first_choice(name):
+    """The default of version 0: what a node says that a file keeps nothing of."""
+    return _TABLE["about"][name]["first"]
+
+
 def _is_read(node, row):
     """Do the node's choices read this parameter?"""
     if not row["read_by"]:
@@ -225,7 +230,7 @@ def _properties():
             description=_TABLE["about"][name]["help"],
             items=[(row["word"].upper(), row["label"], row["help"], row["value"])
                    for row in _TABLE["lists"][name]],
-            default=_initial_choice(name).upper(),
+            default=_first_choice(name).upper(),
             update=_updater(attribute),
         )
     for row in _parameters():
@@ -279,8 +284,14 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
     preset = preset_of_scripts(_METALS, lambda node, word: apply_preset(node, word))
 
     def init(self, _context):
+        global _setting_all
         self.name = _NAME
         self.node_tree = metal_tree.new_tree(_initial_color())
+        _setting_all = True
+        for name, attribute in _choices():
+            if _initial_choice(name) != _first_choice(name):  # kept in the file: older ones have nothing there
+                setattr(self, attribute, _initial_choice(name).upper())
+        _setting_all = False
         for axis in _UV_AXES:
             self.note_width(axis)
         for names in _OF_SOCKETS:

@@ -52,7 +52,7 @@ def reference(what, form, shape, n, *directions, horizon="hard"):
     names = ("--ex", "--ey") if form.mdf == "ashikhmin_shirley" else ("--ax", "--ay")
     numbers = " ".join(repr(float(x)) for v in (n, *directions) for x in v)
     done = subprocess.run(
-        [programs.SHADE, "eval", "--what", what, "--precision", "reference", "--mdf", form.mdf,
+        [programs.SHADE, "eval", "--what", what, "--precision", "reference", "--defaults", "0", "--mdf", form.mdf,
          *(("--brdf", "microfacet") if form.mdf in ("beckmann", "ggx") and what == "f" else ()), "--detail", form.detail, "--groove", form.groove, "--horizon", horizon, names[0], repr(float(shape[0])), names[1],
          repr(float(shape[1]))], input=numbers + "\n", text=True, capture_output=True, check=False)
     if done.returncode:

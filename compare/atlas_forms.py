@@ -192,7 +192,7 @@ class Form:
     def material(self, shape=None, **more):
         names = ("ex", "ey") if self.mdf == "ashikhmin_shirley" else ("ax", "ay")
         return shade.Material(mdf=self.mdf, detail=self.detail, groove=self.groove, fresnel="none",
-                              **dict(zip(names, shape or self.shape)), **more)
+                              **{"brdf": "ashikhmin_shirley", **dict(zip(names, shape or self.shape)), **more})
 
     def value(self, n, h, shape=None):
         if self.printed is None:

@@ -491,7 +491,7 @@ def export(folder):
         "lights.inc": "".join(light_text(*light, size) for light in lights),
         "materials.inc": "".join(materials_text),
         "meshes.inc": "".join(meshes_text),
-        "scene.pov": "#version 3.7;\nglobal_settings { assumed_gamma 1 }\n"
+        "scene.pov": "#version 3.7;\n#declare mdf_Defaults = 1;\nglobal_settings { assumed_gamma 1 }\n"
         + includes + background_text(scene) + "".join(objects),
         "scene.ini": f"Width={int(render.resolution_x * scale)}\n"
         f"Height={int(render.resolution_y * scale)}\nInput_File_Name=scene.pov\n",

@@ -153,7 +153,7 @@ def look_up(slopes, footprint, mdf, parameters, lobes):
     u, v = np.meshgrid(centre, 1 - centre)
     seen = slopes.look_up(np.stack([u, v], -1).reshape(-1, 2), (side, 0, 0, side))
     names = ("ex", "ey") if mdf == "ashikhmin_shirley" else ("ax", "ay")
-    material = shade.Material(mdf=mdf, **dict(zip(names, parameters)))
+    material = shade.Material(mdf=mdf, brdf="ashikhmin_shirley", **dict(zip(names, parameters)))
     made = shade.split(material, seen.normal, seen.covariance, lobes)
     each = np.concatenate([made.weight[..., None], made.n], -1).reshape(len(made.x), -1)
     return np.column_stack([*seen, made.x, made.y, np.degrees(made.angle), each])

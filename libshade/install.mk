@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # The shared library, `make install` and `make uninstall`. Both take the usual directories:
-#   PREFIX BINDIR LIBDIR LIBEXECDIR INCLUDEDIR MANDIR PKGCONFIGDIR PYTHONDIR, and DESTDIR, put
-#   before all of them.
+#   PREFIX BINDIR LIBDIR LIBEXECDIR INCLUDEDIR MANDIR PKGCONFIGDIR CMAKEDIR PYTHONDIR, and DESTDIR,
+#   put before all of them.
 # Paths must hold no spaces.
 PREFIX ?= /usr/local
 BINDIR ?= $(PREFIX)/bin
@@ -9,6 +9,7 @@ LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
 MANDIR ?= $(PREFIX)/share/man
 PKGCONFIGDIR ?= $(LIBDIR)/pkgconfig
+CMAKEDIR ?= $(LIBDIR)/cmake/libshade
 LIBEXECDIR ?= $(PREFIX)/libexec
 INSTALL ?= install
 # where the system's Python looks for modules below PREFIX; where it looks nowhere there, a place to
@@ -23,10 +24,22 @@ SHADE_SHARED := libshade.so.$(SHADE_VERSION)
 # is an interface of its own
 SHADE_SONAME := libshade.so.$(basename $(SHADE_VERSION))
 
+# Its symbols carry the interface they are of: a program says what it was linked with.
+$(B)/libshade.map: $(L)/include/shade/shade.h
+	@mkdir -p $(@D)
+	@echo 'LIBSHADE_$(basename $(SHADE_VERSION)) { global: shade_*; local: *; };' >$@
 # Under its full name only: with a link libshade.so beside libshade.a, -lshade would take it.
-$(B)/$(SHADE_SHARED): $(SHADE_OBJ)
+$(B)/$(SHADE_SHARED): $(SHADE_OBJ) | $(B)/libshade.map
 	$(call say,link     ,$@)
-	$(Q)$(CC) -shared -Wl,-soname,$(SHADE_SONAME) $(if $(findstring -fsanitize,$(CFLAGS)),,-Wl,-z,defs) $(CFLAGS) $(LDFLAGS) $^ -lm -o $@
+	$(Q)$(CC) -shared -Wl,-soname,$(SHADE_SONAME),--version-script=$(B)/libshade.map $(if $(findstring -fsanitize,$(CFLAGS)),,-Wl,-z,defs) $(CFLAGS) $(LDFLAGS) $^ -lm -o $@
+
+# The interface as a text: functions, and the sizes, members and values of what they take. A test compares
+# it with the library (abidiff); what was meant to change is written anew.
+ABI := $(L)/abi/libshade.abi
+.PHONY: abi
+abi: $(B)/$(SHADE_SHARED)
+	@abidw --headers-dir $(L)/include/shade --drop-private-types --no-comp-dir-path --no-corpus-path --no-show-locs \
+	  --type-id-style hash $< | sed '1a <!-- SPDX-License-Identifier: Apache-2.0 -->' >$(ABI)
 
 INSTALLED_HEADERS := $(wildcard $(L)/include/shade/*.h)
 INSTALLED_MAN1 := $(wildcard $(L)/man/*.1)
@@ -40,11 +53,13 @@ INSTALLED_PYTHON = $(addprefix $(PYTHONDIR)/shade/,$(notdir $(PYTHON_MODULE)) $(
 # where `make render` made it
 RENDER_TOOL = $(wildcard $(B)/shade-render)
 INSTALLED_FILES = $(BINDIR)/shade $(BINDIR)/shade-render $(INSTALLED_MODULE) $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
-  $(LIBDIR)/$(SHADE_SONAME) $(LIBDIR)/libshade.so $(PKGCONFIGDIR)/libshade.pc \
+  $(LIBDIR)/$(SHADE_SONAME) $(LIBDIR)/libshade.so $(PKGCONFIGDIR)/libshade.pc $(CMAKE_PACKAGE:%=$(CMAKEDIR)/%) \
   $(INSTALLED_HEADERS:$(L)/include/%=$(INCLUDEDIR)/%) \
   $(INSTALLED_MAN1:$(L)/man/%=$(MANDIR)/man1/%) $(INSTALLED_MAN3:$(L)/man/%=$(MANDIR)/man3/%) \
   $(INSTALLED_PYTHON)
 
+CMAKE_PACKAGE := libshadeConfig.cmake libshadeConfigVersion.cmake
+seen_from = $(shell realpath -m -s --relative-to=$(1) $(2))
 # directories below the prefix are written in its terms, so that the file can be moved with them
 in_prefix = $(patsubst $(PREFIX)/%,$${prefix}/%,$(1))
 define SHADE_PC
@@ -64,7 +79,7 @@ export SHADE_PC
 
 .PHONY: install uninstall
 install: all
-	$(INSTALL) -d $(addprefix $(DESTDIR),$(BINDIR) $(LIBDIR) $(PKGCONFIGDIR) $(INCLUDEDIR)/shade \
+	$(INSTALL) -d $(addprefix $(DESTDIR),$(BINDIR) $(LIBDIR) $(PKGCONFIGDIR) $(CMAKEDIR) $(INCLUDEDIR)/shade \
 	  $(MANDIR)/man1 $(MANDIR)/man3 $(PYTHONDIR)/shade)
 	$(INSTALL) -m 755 $(B)/shade $(RENDER_TOOL) $(DESTDIR)$(BINDIR)
 	$(INSTALL) -m 644 $(B)/libshade.a $(B)/$(SHADE_SHARED) $(DESTDIR)$(LIBDIR)
@@ -76,14 +91,18 @@ install: all
 	$(INSTALL) -m 644 $(INSTALLED_MAN1) $(DESTDIR)$(MANDIR)/man1
 	$(INSTALL) -m 644 $(INSTALLED_MAN3) $(DESTDIR)$(MANDIR)/man3
 	$(INSTALL) -m 644 $(PYTHON_MODULE) $(DESTDIR)$(PYTHONDIR)/shade
-	@realpath -m -s --relative-to=$(PYTHONDIR)/shade $(LIBDIR)/$(SHADE_SHARED) \
+	@echo $(call seen_from,$(PYTHONDIR)/shade,$(LIBDIR)/$(SHADE_SHARED)) \
 	  >$(DESTDIR)$(PYTHONDIR)/shade/$(PYTHON_PLACE) && chmod 644 $(DESTDIR)$(PYTHONDIR)/shade/$(PYTHON_PLACE)
 	@echo "$$SHADE_PC" >$(DESTDIR)$(PKGCONFIGDIR)/libshade.pc && \
 	  chmod 644 $(DESTDIR)$(PKGCONFIGDIR)/libshade.pc
+	@for file in $(CMAKE_PACKAGE); do \
+	  sed -e 's,@VERSION@,$(SHADE_VERSION),' -e 's,@MINOR@,$(basename $(SHADE_VERSION)),' -e 's,@SONAME@,$(SHADE_SONAME),' \
+	    -e 's,@LIB@,$(call seen_from,$(CMAKEDIR),$(LIBDIR)),' -e 's,@INCLUDE@,$(call seen_from,$(CMAKEDIR),$(INCLUDEDIR)),' \
+	    $(L)/cmake/$$file.in >$(DESTDIR)$(CMAKEDIR)/$$file && chmod 644 $(DESTDIR)$(CMAKEDIR)/$$file || exit 1; done
 
 # what `install` of this version, with these directories, put there
 uninstall:
 	rm -f $(addprefix $(DESTDIR),$(INSTALLED_FILES))
 	rm -rf $(DESTDIR)$(PYTHONDIR)/shade/__pycache__
-	for folder in $(addprefix $(DESTDIR),$(INCLUDEDIR)/shade $(LIBEXECDIR)/shade $(PYTHONDIR)/shade); do \
+	for folder in $(addprefix $(DESTDIR),$(INCLUDEDIR)/shade $(LIBEXECDIR)/shade $(CMAKEDIR) $(PYTHONDIR)/shade); do \
 	  if [ -d $$folder ]; then rmdir --ignore-fail-on-non-empty $$folder; fi; done

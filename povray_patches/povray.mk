@@ -35,7 +35,7 @@ $(WORDS): $(B)/povray/editor/words
 $(B)/povray/editor/words: $(P)/editor/words.cpp $(wildcard $(P)/glue/words.*) $(B)/libshade.a | setup-povray
 	@mkdir -p $(@D)/include/backend
 	@ln -sfn $(abspath $(P)/glue) $(@D)/include/backend/mdf
-	@$(CXX) -O1 -Wall -Wextra -Wconversion -Werror -I$(@D)/include -Ilibshade/include $< $(P)/glue/words.cpp $(B)/libshade.a -lm -lpthread -o $@
+	@$(CXX) -O1 -Wall -Wextra -Wconversion $(WERROR) -I$(@D)/include -Ilibshade/include $< $(P)/glue/words.cpp $(B)/libshade.a -lm -lpthread -o $@
 
 # "no existing scene changes", 200 broken blocks, and patches that compile one by one, on their own (about 4 min);
 # in the tests the broken blocks are 25, and patches are compiled together

@@ -221,7 +221,7 @@ class Copy:
         for test in tests:
             goals, words = command(test, to_the_end)
             # optimised less: quicker to build; the setup goals are not wanted, all of it is there
-            made = self.run(["make", f"-j{os.cpu_count()}", "CFLAGS=-O1", "NEEDS=", *self.kept, *goals])
+            made = self.run(["make", f"-j{os.cpu_count()}", "CFLAGS=-O1", "WERROR=-Werror", "NEEDS=", *self.kept, *goals])
             if made != 0:
                 return "slow" if made is None else "compiler"
             status = self.run(words)

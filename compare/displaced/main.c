@@ -12,7 +12,7 @@ static void usage(FILE *to) {
   fputs(
       "usage: displaced pictures OUT.csv [options]   errors against a displaced surface\n"
       "       displaced lobes OUT.csv [options]      total variation of lobes\n\n"
-      "  --mdf WORD --brdf WORD   as for `shade eval` (default ashikhmin_shirley)\n"
+      "  --mdf WORD --brdf WORD   as for `shade eval` (default ashikhmin_shirley, auto)\n"
       "  --first N --second N     exponents of Ashikhmin-Shirley, alphas of the others: along\n"
       "                           x and y (default 200, 10)\n"
       "  --methods A,B,...        words of details (default all but auto)\n"

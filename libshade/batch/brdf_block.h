@@ -73,7 +73,7 @@ LEAF void pass_brdf_of(shade_brdf brdf, size_t count, const real *restrict hwo,
 static void pass_brdf(const bsdf *b, size_t count, const real *hwo, const real *cosi,
                       const real *coso, const real *li, const real *lo, real *d) {
 #define LOOP(brdf) pass_brdf_of(brdf, count, hwo, cosi, coso, li, lo, d)
-  SHADE_LOOP_OF(BRDF, b->brdf)
+  SHADE_LOOP_OF_BRDF(b->brdf)
 #undef LOOP
 }
 

@@ -9,6 +9,8 @@ static unsigned entry_mdf_batch(const shade_bsdf *given, size_t count, const rea
                                 const real *ny, const real *nz, const real *hx, const real *hy,
                                 const real *hz, real *out) {
   const bsdf *b = bsdf_of(given);
+  if (count && b->varied)
+    return SHADE_BAD_INPUT;
   ROOM t[BLOCK], xx[BLOCK], yy[BLOCK];
   mended_room room;
   varied_room each;

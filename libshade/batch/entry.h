@@ -34,7 +34,7 @@ static unsigned entry_bsdf_batch(const shade_bsdf *b, size_t count, const bsdf_l
   unsigned status;
   if (!count)
     return SHADE_OK;
-  if (!shade_whole_lanes(given, lanes_required, &in, sizeof in) ||
+  if (bsdf_of(b)->varied || !shade_whole_lanes(given, lanes_required, &in, sizeof in) ||
       !shade_whole_lanes(given_out, results_required, &out, sizeof out))
     return SHADE_BAD_INPUT;
   const varied_arrays each = varied_from(&in.f0r, &status);
@@ -47,7 +47,7 @@ static unsigned entry_pdf_batch(const shade_bsdf *b, size_t count, const bsdf_la
   unsigned status;
   if (!count)
     return SHADE_OK;
-  if (!shade_whole_lanes(given, lanes_required, &in, sizeof in) || !out)
+  if (bsdf_of(b)->varied || !shade_whole_lanes(given, lanes_required, &in, sizeof in) || !out)
     return SHADE_BAD_INPUT;
   const varied_arrays each = varied_from(&in.f0r, &status);
   return status | pdf_batch(bsdf_of(b), count, &in, &each, out);
@@ -60,7 +60,7 @@ static unsigned entry_sample_batch(const shade_bsdf *b, size_t count, const samp
   unsigned status;
   if (!count)
     return SHADE_OK;
-  if (!shade_whole_lanes(given, draws_required, &in, sizeof in) ||
+  if (bsdf_of(b)->varied || !shade_whole_lanes(given, draws_required, &in, sizeof in) ||
       !shade_whole_lanes(given_out, draws_required, &out, sizeof out))
     return SHADE_BAD_INPUT;
   const varied_arrays each = varied_from(&in.f0r, &status);

@@ -30,6 +30,10 @@ struct clothf;
                      type *);                                                                      \
     unsigned (*prepare)(const shade_bsdf *, const type *, const type *, shade_bsdf_hit##f *);      \
     unsigned (*hit)(const shade_bsdf *, const shade_bsdf_hit##f *, const type *, type *, type *);  \
+    unsigned (*hit_pdf)(const shade_bsdf *, const shade_bsdf_hit##f *, const type *, type *);      \
+    unsigned (*hit_sample)(const shade_bsdf *, const shade_bsdf_hit##f *, const type *, type *,    \
+                           type *, type *, type *);                                                \
+    unsigned (*vary)(const shade_bsdf *, const shade_lanes##f *, size_t, shade_bsdf *);            \
     unsigned (*bsdf_batch)(const shade_bsdf *, size_t, const shade_lanes##f *,                     \
                            const shade_result##f *);                                               \
     type (*diffuse)(shade_diffuse, const type *, const type *);                                    \

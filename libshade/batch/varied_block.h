@@ -128,9 +128,10 @@ static void pass_turn(size_t count, const varied_room *m, vec v, vec_room *restr
   ARRAYS(v);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    to->x[i] = c[i] * vx[i] + s[i] * vy[i];
-    to->y[i] = side[i] * (c[i] * vy[i] - s[i] * vx[i]);
-    to->z[i] = vz[i];
+    const triple w = turned_into(c[i], s[i], side[i], AT(v));
+    to->x[i] = w.x;
+    to->y[i] = w.y;
+    to->z[i] = w.z;
   }
 }
 static void pass_turn_back(size_t count, const varied_room *m, real *restrict wx,
@@ -138,9 +139,9 @@ static void pass_turn_back(size_t count, const varied_room *m, real *restrict wx
   const real *restrict c = m->c, *restrict s = m->s, *restrict side = m->side;
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    const real x = wx[i], y = side[i] * wy[i];
-    wx[i] = c[i] * x - s[i] * y;
-    wy[i] = s[i] * x + c[i] * y;
+    const triple w = turned_back(c[i], s[i], side[i], (triple){wx[i], wy[i], 0});
+    wx[i] = w.x;
+    wy[i] = w.y;
   }
 }
 

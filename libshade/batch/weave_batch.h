@@ -355,9 +355,8 @@ static unsigned weave_block(const shade_weave *w, size_t count, const real *u, c
 static unsigned entry_weave_batch(const shade_weave *w, size_t total, const real *u, const real *v,
                                   const crossings *given) {
   crossings out;
-  if (given->size < sizeof given->size)
+  if (!shade_copy_lanes(given, &out, sizeof out))
     return SHADE_BAD_INPUT;
-  shade_copy_lanes(given, &out, sizeof out);
   weave_room room;
   real held[2][WEAVE_BLOCK];
   unsigned status = SHADE_OK;

@@ -124,8 +124,9 @@ LEAF real brdf_value(shade_brdf brdf, real d, angles a) {
 #define BRDF_CASE(NAME, word, value, label, help)                                                  \
   case SHADE_BRDF_##NAME:                                                                          \
     return brdf_##word(d, a);
-    SHADE_TABLE_BRDF(BRDF_CASE)
+    SHADE_TABLE_BRDF_FORMS(BRDF_CASE)
 #undef BRDF_CASE
+  case SHADE_BRDF_AUTO: /* setup.c has chosen */
   case SHADE_BRDF_COUNT:
     break;
   }

@@ -4,6 +4,8 @@
 #ifndef SHADE_MODEL_BSDF_H
 #define SHADE_MODEL_BSDF_H
 
+#include <string.h>
+
 #include "shade/shade.h"
 #include "methods.h"
 #include "suffix.h"
@@ -31,6 +33,7 @@ typedef struct shade_carry {
     type f0[3], tint[3], k[3], kd[3]; /* tint: f82, or eta */                                      \
     type proposal, per_slope;         /* of the distribution's traits */                           \
     type share_lobe, share_diffuse;   /* mean reflectances */                                      \
+    type c, s, side; /* where turned: x' is (c, s), y' the other way at side -1 */                 \
   } bsdf_numbers##f;
 BSDF_NUMBERS(double, )
 BSDF_NUMBERS(float, f)
@@ -50,6 +53,7 @@ typedef struct MAY_ALIAS bsdf {
   int fibres_along_y, groove_auto, detail_auto;
   int exponents, projected; /* of the distribution's traits */
   int visible, draw_even;   /* draws: normals as the eye sees them; half the diffuse part evenly */
+  int varied, turned;       /* by shade_bsdf_vary; and directions are in another frame than it */
   bsdf_numbers numbers;
   bsdf_numbersf numbersf;
 } bsdf;
@@ -66,9 +70,24 @@ static inline const SUFFIX(bsdf_numbers) * numbers_of(const bsdf *b) {
   return &b->SUFFIX(numbers);
 }
 
-/* The same to write to: setup.c's, and that of tests. */
+/* The same to write to: setup.c's, shade_bsdf_vary's, and that of tests. */
 static inline bsdf *bsdf_in(shade_bsdf *b) {
   return (bsdf *)b;
 }
+
+/* The numbers of one precision from those of the other. */
+enum { BSDF_NUMBERS_EACH = sizeof(bsdf_numbers) / sizeof(double) };
+_Static_assert(sizeof(bsdf_numbersf) == BSDF_NUMBERS_EACH * sizeof(float), "nothing but numbers");
+#define BSDF_CONVERT(name, from, FROM, to, TO)                                                     \
+  static inline void name(bsdf *b) {                                                               \
+    FROM given[BSDF_NUMBERS_EACH];                                                                 \
+    TO made[BSDF_NUMBERS_EACH];                                                                    \
+    memcpy(given, &b->from, sizeof given);                                                         \
+    for (int i = 0; i < BSDF_NUMBERS_EACH; i++)                                                    \
+      made[i] = (TO)given[i];                                                                      \
+    memcpy(&b->to, made, sizeof made);                                                             \
+  }
+BSDF_CONVERT(narrow_numbers, numbers, double, numbersf, float)
+BSDF_CONVERT(widen_numbers, numbersf, float, numbers, double)
 
 #endif

@@ -145,4 +145,13 @@ LEAF direction direction_of(const real v[3], int is_normal) {
   return off || (is_normal && !(d.v.z > 0)) ? mend_direction(d.v, is_normal) : d;
 }
 
+/* Into the frame whose x' is the unit (c, s) and whose y' points the other way at side -1; back. */
+LEAF triple turned_into(real c, real s, real side, triple v) {
+  return (triple){c * v.x + s * v.y, side * (c * v.y - s * v.x), v.z};
+}
+LEAF triple turned_back(real c, real s, real side, triple v) {
+  const real y = side * v.y;
+  return (triple){c * v.x - s * y, s * v.x + c * y, v.z};
+}
+
 #endif

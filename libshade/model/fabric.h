@@ -81,7 +81,7 @@ typedef struct fabric_lean {
 
 struct shade_fabric {
   int isa; /* of shade_isa_tables: what it runs on */
-  const shade_weave *weave;
+  shade_weave *weave;
   fabric_side side[2]; /* by shade_top: weft, warp */
   double backing[3];
   int draft_colors, uneven; /* uneven: the brightness or width of the yarns varies */
@@ -109,11 +109,11 @@ typedef struct fabric_look {
 } fabric_look;
 
 /* Lobes of one side from its looks, whose order changes. fabric_nodes.c */
-void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shade_yarn *yarn,
-                     fabric_look *looks, size_t count, unsigned *status);
+void shade_fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shade_yarn *yarn,
+                           fabric_look *looks, size_t count, unsigned *status);
 
 /* What the shadows of yarns depend on. fabric_shadow.c */
-void fabric_set_shadows(shade_fabric *f);
+void shade_fabric_set_shadows(shade_fabric *f);
 
 /* The far model's share of a footprint: none up to so many crossings, all from so many. */
 #define FABRIC_NEAR_TO 0.75

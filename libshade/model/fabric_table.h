@@ -73,14 +73,14 @@ typedef struct fabric_lobes {
  * than none and perturb, a diffuse model that does not see both directions at once, and not too
  * narrow for FABRIC_MOST_SIDE (exponents to some 1100).
  */
-int fabric_table_models(const shade_bsdf *lobe);
+int shade_fabric_table_models(const shade_bsdf *lobe);
 
 /*
  * Tables of two mixtures of the same yarn: that of `spec` may be finer, to FABRIC_FINE lobes,
  * than that of `matt`, to FABRIC_MATT_LOBES. NULL for what they do not model (the mixture itself
  * is to be used), or out of memory.
  */
-fabric_table *fabric_table_create(const fabric_lobes *spec, const fabric_lobes *matt);
-void fabric_table_free(fabric_table *table); /* NULL is fine */
+fabric_table *shade_fabric_table_create(const fabric_lobes *spec, const fabric_lobes *matt);
+void shade_fabric_table_free(fabric_table *table); /* NULL is fine */
 
 #endif

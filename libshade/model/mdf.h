@@ -27,6 +27,11 @@ static inline shade_mdf_traits shade_mdf_is(shade_mdf mdf) {
   return rows[mdf];
 }
 
+/* A choice of BRDF, or what `auto` stands for with that distribution. */
+static inline shade_brdf shade_brdf_with(shade_mdf mdf, shade_brdf brdf) {
+  return brdf == SHADE_BRDF_AUTO ? shade_mdf_is(mdf).brdf : brdf;
+}
+
 /* By name: D of a point of the lobe. */
 LEAF real mdf_value(shade_mdf mdf, lobe_point p, real kx, real ky, real peak) {
   switch (mdf) {

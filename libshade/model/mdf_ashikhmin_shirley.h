@@ -14,8 +14,8 @@
  */
 #define SHADE_MDF_ASHIKHMIN_SHIRLEY_IS                                                             \
   {                                                                                                \
-    .ratio = 1, .proposal = 1, .per_slope = 0.5, .float_1e3 = 2e-5, .float_1e5 = 2e-4,             \
-    .double_1e4 = 1e-13                                                                            \
+    .ratio = 1, .brdf = SHADE_BRDF_ASHIKHMIN_SHIRLEY, .proposal = 1, .per_slope = 0.5,             \
+    .float_1e3 = 2e-5, .float_1e5 = 2e-4, .double_1e4 = 1e-13                                      \
   }
 
 /*

@@ -11,8 +11,8 @@
  */
 #define SHADE_MDF_BECKMANN_IS                                                                      \
   {                                                                                                \
-    .projected = 1, .visible = 1, .proposal = 1, .per_slope = 1, .narrowed = 1, .float_1e3 = 2e-5, \
-    .float_1e5 = 2e-4, .double_1e4 = 1e-13                                                         \
+    .projected = 1, .visible = 1, .brdf = SHADE_BRDF_MICROFACET, .proposal = 1, .per_slope = 1,    \
+    .narrowed = 1, .float_1e3 = 2e-5, .float_1e5 = 2e-4, .double_1e4 = 1e-13                       \
   }
 
 /*

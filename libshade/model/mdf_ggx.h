@@ -12,8 +12,9 @@
  */
 #define SHADE_MDF_GGX_IS                                                                           \
   {                                                                                                \
-    .projected = 1, .visible = 1, .proposal = 1, .per_slope = 1, .tails = 1, .narrowed = 0.5,      \
-    .blunted = 0.4, .float_1e3 = 5e-6, .float_1e5 = 5e-5, .double_1e4 = 1e-13                      \
+    .projected = 1, .visible = 1, .brdf = SHADE_BRDF_MICROFACET, .proposal = 1, .per_slope = 1,    \
+    .tails = 1, .narrowed = 0.5, .blunted = 0.4, .float_1e3 = 5e-6, .float_1e5 = 5e-5,             \
+    .double_1e4 = 1e-13                                                                            \
   }
 
 /*

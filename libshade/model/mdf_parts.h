@@ -12,6 +12,7 @@ typedef struct shade_mdf_traits {
   int ratio;                /* sees neither a common scale of the slopes along x and y, nor L */
   int projected;            /* the integral of D hz is 1, not that of D */
   int visible;              /* the normals that an eye sees can be drawn */
+  shade_brdf brdf;          /* that goes with it: what `auto` stands for */
   int tails;                /* D falls slowly: no exponent says where it ends */
   double proposal;          /* times kx and ky: the lobe that half vectors are drawn from */
   double per_slope;         /* of a mixture for `perturb`: how narrow 1/alpha^2 or exponents are */

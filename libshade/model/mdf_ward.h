@@ -10,7 +10,10 @@
  * .594, .112); 6.8e-5 at (4.4e4, 3.2e3), n (.711, -.703, .016); double 3.2e-14 at (30.6, 3645).
  */
 #define SHADE_MDF_WARD_IS                                                                          \
-  { .proposal = 2, .per_slope = 0.5, .float_1e3 = 2e-5, .float_1e5 = 2e-4, .double_1e4 = 1e-13 }
+  {                                                                                                \
+    .proposal = 2, .brdf = SHADE_BRDF_WARD_BOUNDED, .per_slope = 0.5, .float_1e3 = 2e-5,           \
+    .float_1e5 = 2e-4, .double_1e4 = 1e-13                                                         \
+  }
 
 /*
  * Ward: a Gaussian of the slope. Close to normalised without a cosine for small alpha

@@ -10,7 +10,10 @@
  * .327); 6.5e-5 at (4.4e4, 3.2e3), gram_schmidt, n (.711, -.703, .016); double 3.3e-14.
  */
 #define SHADE_MDF_WARD_HALF_IS                                                                     \
-  { .proposal = 1, .per_slope = 1, .float_1e3 = 2e-5, .float_1e5 = 2e-4, .double_1e4 = 1e-13 }
+  {                                                                                                \
+    .proposal = 1, .brdf = SHADE_BRDF_WARD_BOUNDED, .per_slope = 1, .float_1e3 = 2e-5,             \
+    .float_1e5 = 2e-4, .double_1e4 = 1e-13                                                         \
+  }
 
 /*
  * Ward's cheap form, exp(-2 ((x/ax)^2 + (y/ay)^2)/(1 + z)); sin^2/(1 + cos) from tangents

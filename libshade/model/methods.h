@@ -45,6 +45,14 @@
 #define SHADE_LOOP_OF(LIST, choice)                                                                \
   switch (choice) { SHADE_TABLE_##LIST(SHADE_##LIST##_LOOP_) case SHADE_##LIST##_COUNT : break; }
 
+#define SHADE_LOOP_OF_BRDF(choice)                                                                 \
+  switch (choice) {                                                                                \
+    SHADE_TABLE_BRDF_FORMS(SHADE_BRDF_LOOP_)                                                       \
+  case SHADE_BRDF_AUTO:                                                                            \
+  case SHADE_BRDF_COUNT:                                                                           \
+    break;                                                                                         \
+  }
+
 #define SHADE_MAP_LOOP_(NAME, ...) SHADE_LOOP_(SHADE_MAP_##NAME)
 #define SHADE_LOOP_OF_MAP(map)                                                                     \
   switch (map) {                                                                                   \

@@ -13,13 +13,25 @@
 #include "draw.h"
 #include "ggx.h"
 
-static unsigned entry_mdf(const shade_bsdf *b, const real n_in[3], const real h_in[3], real *d) {
+/* Directions of a material that shade_bsdf_vary turned, in its frame, and back. */
+LEAF triple framed(const bsdf *b, triple v) {
+  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
+  return b->turned ? turned_into(own->c, own->s, own->side, v) : v;
+}
+LEAF triple unframed(const bsdf *b, triple v) {
+  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
+  return b->turned ? turned_back(own->c, own->s, own->side, v) : v;
+}
+
+static unsigned entry_mdf(const shade_bsdf *given, const real n_in[3], const real h_in[3],
+                          real *d) {
+  const bsdf *b = bsdf_of(given);
   const direction n = direction_of(n_in, 1), h = direction_of(h_in, 0);
   const unsigned status = n.status | h.status;
   *d = 0;
   if (status & SHADE_BAD_INPUT)
     return status;
-  *d = lobe(bsdf_of(b), n.v, h.v);
+  *d = lobe(b, framed(b, n.v), framed(b, h.v));
   return status;
 }
 
@@ -215,13 +227,14 @@ LEAF void prepare(const bsdf *b, triple n, triple wo, bsdf_hit *h) {
  * With SHADE_BAD_INPUT in the status nothing else is set. This and entry_hit are one piece of code
  * for all callers, or a product of the one might be fused with a sum of the other in some.
  */
-static __attribute__((noinline)) unsigned entry_prepare(const shade_bsdf *b, const real n_in[3],
+static __attribute__((noinline)) unsigned entry_prepare(const shade_bsdf *given, const real n_in[3],
                                                         const real wo_in[3], bsdf_hit_room *room) {
+  const bsdf *b = bsdf_of(given);
   bsdf_hit *h = (bsdf_hit *)room;
   const direction n = direction_of(n_in, 1), wo = direction_of(wo_in, 0);
   h->status = n.status | wo.status;
   if (!(h->status & SHADE_BAD_INPUT))
-    prepare(bsdf_of(b), n.v, wo.v, h);
+    prepare(b, framed(b, n.v), framed(b, wo.v), h);
   return h->status;
 }
 
@@ -244,14 +257,16 @@ LEAF void put_triple(triple v, real to[3]) {
   to[2] = v.z;
 }
 
-static __attribute__((noinline)) unsigned entry_hit(const shade_bsdf *b, const bsdf_hit_room *room,
-                                                    const real wi_in[3], real f[3], real *cosine) {
+static __attribute__((noinline)) unsigned entry_hit(const shade_bsdf *given,
+                                                    const bsdf_hit_room *room, const real wi_in[3],
+                                                    real f[3], real *cosine) {
+  const bsdf *b = bsdf_of(given);
   const bsdf_hit *h = (const bsdf_hit *)room;
   const direction wi = direction_of(wi_in, 0);
   const unsigned status = h->status | wi.status;
   shaded_sample out = {{0, 0, 0}, 0, SHADE_OK};
   if (!(status & SHADE_BAD_INPUT))
-    out = shaded(bsdf_of(b), h, wi.v);
+    out = shaded(b, h, framed(b, wi.v));
   put_triple(out.f, f);
   *cosine = out.cosine;
   return status | out.status;
@@ -264,38 +279,60 @@ static unsigned entry_bsdf(const shade_bsdf *b, const real n[3], const real wi[3
   return entry_hit(b, &room, wi, f, cosine);
 }
 
+/* The density of wi about the lobe's normal, and status bits: all are mended, in the material's
+ * frame. One piece of code, as entry_hit is. */
+static __attribute__((noinline)) unsigned density_of(const bsdf *b, unsigned status, triple about,
+                                                     triple wi, triple wo, real *pdf) {
+  *pdf = 0;
+  if (status & SHADE_BAD_INPUT || opposite(XYZ(wi), XYZ(wo)))
+    return status | SHADE_BAD_INPUT;
+  *pdf = density_by_paths(b, about, wi, wo);
+  return status;
+}
+
 static unsigned entry_pdf(const shade_bsdf *given, const real n_in[3], const real wi_in[3],
                           const real wo_in[3], real *pdf) {
   const bsdf *b = bsdf_of(given);
   const direction n = direction_of(n_in, 1), wi = direction_of(wi_in, 0);
   const direction wo = direction_of(wo_in, 0);
-  const unsigned status = n.status | wi.status | wo.status;
-  *pdf = 0;
-  if (status & SHADE_BAD_INPUT || opposite(XYZ(wi.v), XYZ(wo.v)))
-    return status | SHADE_BAD_INPUT;
-  *pdf = density_by_paths(b, bent_for(b, n.v, wo.v), wi.v, wo.v);
-  return status;
+  const triple eye = framed(b, wo.v);
+  return density_of(b, n.status | wi.status | wo.status, bent_for(b, framed(b, n.v), eye),
+                    framed(b, wi.v), eye, pdf);
 }
 
-static unsigned entry_sample(const shade_bsdf *given, const real n_in[3], const real wo_in[3],
-                             const real u[2], real wi[3], real f[3], real *pdf, real *cosine) {
+/* What directions are drawn about: h->n is z where the method ignores the normal. */
+LEAF triple drawn_about(const bsdf *b, const bsdf_hit *h) {
+  return b->carry.map == SHADE_MAP_NONE ? h->given : h->n;
+}
+
+static unsigned entry_hit_pdf(const shade_bsdf *given, const bsdf_hit_room *room,
+                              const real wi_in[3], real *pdf) {
   const bsdf *b = bsdf_of(given);
-  const direction n = direction_of(n_in, 1), wo = direction_of(wo_in, 0);
-  unsigned status = n.status | wo.status;
+  const bsdf_hit *h = (const bsdf_hit *)room;
+  const direction wi = direction_of(wi_in, 0);
+  return density_of(b, h->status | wi.status, drawn_about(b, h), framed(b, wi.v), h->wo, pdf);
+}
+
+static __attribute__((noinline)) unsigned entry_hit_sample(const shade_bsdf *given,
+                                                           const bsdf_hit_room *room,
+                                                           const real u[2], real wi[3], real f[3],
+                                                           real *pdf, real *cosine) {
+  const bsdf *b = bsdf_of(given);
+  const bsdf_hit *h = (const bsdf_hit *)room;
+  unsigned status = h->status;
   drawn d = {{0, 0, 0}, 1};
   shaded_sample out = {{0, 0, 0}, 0, SHADE_OK};
   *pdf = 0;
   if (u[0] != u[0] || u[1] != u[1])
     status |= SHADE_BAD_INPUT;
   if (!(status & SHADE_BAD_INPUT)) {
-    const triple about = bent_for(b, n.v, wo.v);
-    d = draw_by_paths(b, about, wo.v, uniform_of(u[0]), uniform_of(u[1]));
-    *pdf = d.lost > 0 ? 0 : density_by_paths(b, about, d.w, wo.v);
+    const triple about = drawn_about(b, h);
+    d = draw_by_paths(b, about, h->wo, uniform_of(u[0]), uniform_of(u[1]));
+    *pdf = d.lost > 0 ? 0 : density_by_paths(b, about, d.w, h->wo);
   }
   if (*pdf > 0) {
-    bsdf_hit h;
-    prepare(b, n.v, wo.v, &h);
-    out = shaded(b, &h, d.w);
+    out = shaded(b, h, d.w);
+    d.w = unframed(b, d.w);
   } else {
     *pdf = 0;
     d.w = (triple){0, 0, 0};
@@ -305,6 +342,13 @@ static unsigned entry_sample(const shade_bsdf *given, const real n_in[3], const 
   put_triple(out.f, f);
   *cosine = out.cosine;
   return status;
+}
+
+static unsigned entry_sample(const shade_bsdf *b, const real n[3], const real wo[3],
+                             const real u[2], real wi[3], real f[3], real *pdf, real *cosine) {
+  bsdf_hit_room room;
+  entry_prepare(b, n, wo, &room);
+  return entry_hit_sample(b, &room, u, wi, f, pdf, cosine);
 }
 
 #endif

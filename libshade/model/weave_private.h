@@ -3,6 +3,7 @@
 #ifndef SHADE_MODEL_WEAVE_PRIVATE_H
 #define SHADE_MODEL_WEAVE_PRIVATE_H
 
+#include <stdatomic.h>
 #include <stdint.h>
 
 #include "shade/weave.h"
@@ -32,7 +33,8 @@ typedef struct weave_yarnf {
 } weave_yarnf;
 
 struct shade_weave {
-  int isa; /* of shade_isa_tables: what it runs on */
+  atomic_int holders; /* who made it until they free it, and each fabric of it */
+  int isa;            /* of shade_isa_tables: what it runs on */
   shade_draft *draft;
   shade_weave_params params;
   uint32_t *cells;         /* as the draft's warp_up */
@@ -43,5 +45,8 @@ struct shade_weave {
   int uniform[2]; /* by shade_top: all yarns fill the same share */
   int noisy;      /* any noise at all */
 };
+
+/* The same weave, for one more holder, who frees it with shade_weave_free. */
+shade_weave *shade_weave_share(const shade_weave *weave);
 
 #endif

@@ -74,10 +74,27 @@ static real lambda(const shade_params *p, vec n, vec w) {
   return expl(-a * a) / (2 * a * sqrtl(pi)) - erfcl(a) / 2;
 }
 
+shade_brdf ref_brdf_of(const shade_params *p) {
+  if (p->brdf != SHADE_BRDF_AUTO)
+    return p->brdf;
+  switch (p->mdf) {
+  case SHADE_MDF_GGX:
+  case SHADE_MDF_BECKMANN:
+    return SHADE_BRDF_MICROFACET;
+  case SHADE_MDF_WARD:
+  case SHADE_MDF_WARD_HALF:
+    return SHADE_BRDF_WARD_BOUNDED;
+  case SHADE_MDF_ASHIKHMIN_SHIRLEY:
+  case SHADE_MDF_COUNT:
+    break;
+  }
+  return SHADE_BRDF_ASHIKHMIN_SHIRLEY;
+}
+
 real ref_brdf(const shade_params *p, vec n, vec wi, vec wo, real cosi, real coso, real d) {
   vec sum = plus(wi, wo);
   real hwo = dot(unit(sum), wo);
-  switch (p->brdf) {
+  switch (ref_brdf_of(p)) {
   case SHADE_BRDF_WARD_1992:
     return d / at_least(4 * sqrtl(cosi * coso));
   case SHADE_BRDF_WARD_DUR:
@@ -89,6 +106,7 @@ real ref_brdf(const shade_params *p, vec n, vec wi, vec wo, real cosi, real coso
     return d * shadowing / at_least(4 * cosi * coso);
   }
   case SHADE_BRDF_ASHIKHMIN_SHIRLEY:
+  case SHADE_BRDF_AUTO:
   case SHADE_BRDF_COUNT:
     break;
   }

@@ -88,7 +88,7 @@ static real lobe_density(const shade_params *p, vec n, vec wi, vec wo) {
     frame = SHADE_DETAIL_SHORTEST_ARC;
   if (detail == SHADE_DETAIL_ROTATE_APPROXIMATE)
     frame = SHADE_DETAIL_ROTATE;
-  int visible = p->brdf == SHADE_BRDF_MICROFACET && !ref_is_warp(detail) &&
+  int visible = ref_brdf_of(p) == SHADE_BRDF_MICROFACET && !ref_is_warp(detail) &&
                 (p->mdf == SHADE_MDF_BECKMANN || p->mdf == SHADE_MDF_GGX);
   vec m = ref_carried_by(frame, p, n, h);
   if (m.z <= 0)

@@ -9,6 +9,7 @@
 #include "src/params.h"
 #include "../model/mdf.h"
 #include "../model/methods.h"
+#include "../batch/arrays.h"
 
 #define PI 3.14159265358979323846
 
@@ -268,10 +269,10 @@ unsigned shade_bsdf_albedo_eval(const shade_bsdf_albedo *a, const double n_in[3]
 unsigned shade_bsdf_albedo_batchf(const shade_bsdf_albedo *a, size_t count,
                                   const shade_albedo_lanesf *given,
                                   const shade_albedo_resultf *to) {
-  shade_albedo_lanesf in = {0};
-  shade_albedo_resultf out = {0};
-  memcpy(&in, given, given->size < sizeof in ? given->size : sizeof in);
-  memcpy(&out, to, to->size < sizeof out ? to->size : sizeof out);
+  shade_albedo_lanesf in;
+  shade_albedo_resultf out;
+  if (!shade_copy_lanes(given, &in, sizeof in) || !shade_copy_lanes(to, &out, sizeof out))
+    return SHADE_BAD_INPUT;
   float *const rgb[PARTS][3] = {{out.specular_r, out.specular_g, out.specular_b},
                                 {out.diffuse_r, out.diffuse_g, out.diffuse_b}};
   const int normals = !!in.nx + !!in.ny + !!in.nz;

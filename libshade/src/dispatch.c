@@ -12,6 +12,9 @@
 #define shade_bsdf_eval_batch SUFFIX(shade_bsdf_eval_batch)
 #define shade_bsdf_prepare SUFFIX(shade_bsdf_prepare)
 #define shade_bsdf_hit_eval SUFFIX(shade_bsdf_hit_eval)
+#define shade_bsdf_hit_pdf SUFFIX(shade_bsdf_hit_pdf)
+#define shade_bsdf_hit_sample SUFFIX(shade_bsdf_hit_sample)
+#define shade_bsdf_vary SUFFIX(shade_bsdf_vary)
 #define shade_bsdf_pdf SUFFIX(shade_bsdf_pdf)
 #define shade_bsdf_pdf_batch SUFFIX(shade_bsdf_pdf_batch)
 #define shade_bsdf_sample SUFFIX(shade_bsdf_sample)
@@ -51,6 +54,26 @@ unsigned shade_bsdf_hit_eval(const shade_bsdf *b, const SUFFIX(shade_bsdf_hit) *
                              const real wi[3], real f[3], real *cosine) {
   real unused;
   return entries_of(b)->hit(b, hit, wi, f, cosine ? cosine : &unused);
+}
+
+real shade_bsdf_hit_pdf(const shade_bsdf *b, const SUFFIX(shade_bsdf_hit) * hit, const real wi[3],
+                        unsigned *status) {
+  real pdf;
+  unsigned bits = entries_of(b)->hit_pdf(b, hit, wi, &pdf);
+  if (status)
+    *status |= bits;
+  return pdf;
+}
+
+unsigned shade_bsdf_hit_sample(const shade_bsdf *b, const SUFFIX(shade_bsdf_hit) * hit,
+                               const real u[2], real wi[3], real f[3], real *pdf, real *cosine) {
+  real unused;
+  return entries_of(b)->hit_sample(b, hit, u, wi, f, pdf, cosine ? cosine : &unused);
+}
+
+unsigned shade_bsdf_vary(const shade_bsdf *b, const SUFFIX(shade_lanes) * in, size_t lane,
+                         shade_bsdf *out) {
+  return entries_of(b)->vary(b, in, lane, out);
 }
 
 unsigned shade_bsdf_eval_batch(const shade_bsdf *b, size_t count, const SUFFIX(shade_lanes) * in,

@@ -17,7 +17,7 @@
 
 #include "../batch/cloth_draw.h"
 #include "../batch/cloth_prepare.h"
-#include "../batch/entry.h"
+#include "../batch/varied_one.h"
 #include "../batch/weave_batch.h"
 #if !SHADE_FLOAT /* what has no precision to choose */
 #include "../batch/column_near.h"
@@ -33,6 +33,9 @@ const SUFFIX(shade_entries) UNIT(SUFFIX(shade_entries), ISA) = {
     .bsdf = entry_bsdf,
     .prepare = entry_prepare,
     .hit = entry_hit,
+    .hit_pdf = entry_hit_pdf,
+    .hit_sample = entry_hit_sample,
+    .vary = entry_vary,
     .bsdf_batch = entry_bsdf_batch,
     .diffuse = entry_diffuse,
     .yarn = entry_yarn,

@@ -10,6 +10,7 @@
 
 #include "../model/fabric.h"
 #include "../batch/isa.h"
+#include "params.h"
 
 enum {
   LOOKS = 1 << 18,  /* points in all, about */
@@ -33,6 +34,8 @@ static double fraction(uint64_t *state) {
 void shade_fabric_params_init(shade_fabric_params *p) {
   memset(p, 0, sizeof *p);
   p->size = sizeof *p;
+  p->defaults = SHADE_DEFAULTS;
+  p->brdf = SHADE_BRDF_AUTO;
   p->detail = SHADE_DETAIL_ROTATE;
   p->warp.along = 100;
   p->warp.across = 10;
@@ -45,6 +48,18 @@ void shade_fabric_params_init(shade_fabric_params *p) {
   p->weft = p->warp;
   p->horizon = SHADE_HORIZON_VALID_ESTEVEZ;
   p->shadows = 1;
+}
+
+shade_fabric_params shade_whole_fabric(const shade_fabric_params *given) {
+  shade_fabric_params p;
+  shade_fabric_params_init(&p);
+  p.horizon = SHADE_HORIZON_HARD;
+  p.shadows = 0;
+  p.defaults = 0;
+  memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
+  if (given->size <= offsetof(shade_fabric_params, defaults))
+    p.brdf = shade_brdf_before_auto(p.brdf);
+  return p;
 }
 
 static double within(double x, double low, double high, double initial, unsigned *status) {
@@ -76,11 +91,8 @@ static shade_fabric_params within_ranges(const shade_fabric_params *given, unsig
   p = initial;
   if (given && given->size < sizeof given->size)
     *status |= SHADE_BAD_INPUT;
-  else if (given) {
-    p.horizon = SHADE_HORIZON_HARD; /* callers that do not know of it, nor of shadows */
-    p.shadows = 0;
-    memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
-  }
+  else if (given)
+    p = shade_whole_fabric(given);
   yarn_within(&p.warp, &initial.warp, status);
   yarn_within(&p.weft, &initial.weft, status);
   color_within(p.backing, initial.backing, status);
@@ -242,11 +254,12 @@ static double mean_fill(double share, double slub) {
 void shade_fabric_free(shade_fabric *f) {
   if (!f)
     return;
-  fabric_table_free(f->side[0].table);
-  fabric_table_free(f->side[1].table);
+  shade_fabric_table_free(f->side[0].table);
+  shade_fabric_table_free(f->side[1].table);
   free(f->table);
   free(f->strip[0]);
   free(f->strip[1]);
+  shade_weave_free(f->weave);
   free(f);
 }
 
@@ -259,7 +272,7 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
     return NULL;
   const shade_draft *draft = shade_weave_draft(weave);
   f->isa = shade_isa_chosen();
-  f->weave = weave;
+  f->weave = shade_weave_share(weave);
   memcpy(f->backing, p.backing, sizeof f->backing);
   memcpy(f->nap_color, p.nap_color, sizeof f->nap_color);
   f->nap = p.nap;
@@ -302,10 +315,11 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
       double length = hypot(clouds[k].tx, clouds[k].ty);
       side->tx = length > 0 ? clouds[k].tx / length : k == SHADE_TOP_WEFT;
       side->ty = length > 0 ? clouds[k].ty / length : k == SHADE_TOP_WARP;
-      fabric_set_side(side, &p, k ? &p.warp : &p.weft, clouds[k].looks, clouds[k].count, &bits);
+      shade_fabric_set_side(side, &p, k ? &p.warp : &p.weft, clouds[k].looks, clouds[k].count,
+                            &bits);
     }
     if (p.shadows && p.detail != SHADE_DETAIL_NONE) /* where tilts lean away, there are shadows */
-      fabric_set_shadows(f);
+      shade_fabric_set_shadows(f);
   }
   free(clouds[0].looks);
   free(clouds[1].looks);

@@ -132,7 +132,8 @@ unsigned shade_fabric_prepare(const shade_fabric *f, const fabric_point *given, 
                               shade_fabric_tier tier, fabric_hit *hit, real *coverage) {
   fabric_point p;
   shade_fabric_point_init(f, &p);
-  if (given)
+  const int known = !given || given->size >= sizeof given->size;
+  if (given && known)
     memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
   const fabric_lanes in = {.size = sizeof in,
                            .u = p.uv,
@@ -155,7 +156,8 @@ unsigned shade_fabric_prepare(const shade_fabric *f, const fabric_point *given, 
                            .warp_gloss = &p.warp_gloss,
                            .weft_gloss = &p.weft_gloss,
                            .nap = &p.nap};
-  const unsigned status = prepare(f, &in, tier, hit);
+  const unsigned status =
+      prepare(f, &in, tier, hit) | (known ? SHADE_OK : (unsigned)SHADE_BAD_INPUT);
   if (coverage)
     *coverage = coverage_of(hit);
   return status;
@@ -251,18 +253,12 @@ static cloth block_of(const prepared *block, size_t count) {
 /* Copies that hold NULL beyond the caller's size. */
 static fabric_lanes known_lanes(const fabric_lanes *in) {
   fabric_lanes known;
-  if (in)
-    shade_copy_lanes(in, &known, sizeof known);
-  else
-    memset(&known, 0, sizeof known);
+  shade_copy_lanes(in, &known, sizeof known);
   return known;
 }
 static fabric_result known_result(const fabric_result *out) {
   fabric_result known;
-  if (out)
-    shade_copy_lanes(out, &known, sizeof known);
-  else
-    memset(&known, 0, sizeof known);
+  shade_copy_lanes(out, &known, sizeof known);
   return known;
 }
 

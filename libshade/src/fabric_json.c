@@ -6,6 +6,7 @@
 
 #include "json_writer.h"
 #include "shade/fabric.h"
+#include "params.h"
 
 #define COMPONENTS_REAL 1
 #define COMPONENTS_COLOUR 3
@@ -118,11 +119,7 @@ int shade_fabric_params_json(const shade_fabric_params *given, char *buffer, siz
   const char *comma = "{";
   shade_param_info info;
   const double *v;
-  shade_fabric_params p;
-  shade_fabric_params_init(&p);
-  p.horizon = SHADE_HORIZON_HARD; /* of callers older than that choice, or than shadows */
-  p.shadows = 0;
-  memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
+  shade_fabric_params p = shade_whole_fabric(given);
   put_choice(&t, &comma, SHADE_LIST_MDF, (int)p.mdf);
   put_choice(&t, &comma, SHADE_LIST_BRDF, (int)p.brdf);
   put_choice(&t, &comma, SHADE_LIST_DETAIL, (int)p.detail);

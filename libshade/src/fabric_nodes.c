@@ -273,7 +273,7 @@ static void set_table(fabric_side *side, const shade_fabric_params *p, const sha
   const fabric_lobes fine = {&side->lobe[FABRIC_TABLED], (size_t)count, {n[0], n[1], n[2]}, weight};
   const fabric_lobes matt = {
       &side->lobe[FABRIC_FAR], (size_t)of->count, {of->x, of->y, of->z}, of->weight};
-  side->table = fabric_table_create(&fine, &matt);
+  side->table = shade_fabric_table_create(&fine, &matt);
 }
 
 static void set_one_node(fabric_nodes *nodes) {
@@ -282,8 +282,8 @@ static void set_one_node(fabric_nodes *nodes) {
   fill_nodes(nodes);
 }
 
-void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shade_yarn *yarn,
-                     fabric_look *looks, size_t count, unsigned *status) {
+void shade_fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shade_yarn *yarn,
+                           fabric_look *looks, size_t count, unsigned *status) {
   cut cuts[FABRIC_FINE], whole = {.start = 0, .count = count};
   const double ex = fmax(yarn->along, BROAD), ey = fmax(yarn->across, BROAD);
   const int gaussian = p->mdf != SHADE_MDF_ASHIKHMIN_SHIRLEY;
@@ -318,7 +318,7 @@ void fabric_set_side(fabric_side *side, const shade_fabric_params *p, const shad
   make_lobe(side, FABRIC_FAR, p, yarn, rest[0], rest[1], status);
   make_single(side, p, yarn, &whole, rest, status);
   side->draws_one = fmax(whole.vx * ex, whole.vy * ey) <= SPREAD_OF_ONE;
-  if (!fabric_table_models(&side->lobe[FABRIC_FAR]))
+  if (!shade_fabric_table_models(&side->lobe[FABRIC_FAR]))
     return;
   made = cut_cloud(looks, &whole, ex, ey, SPREAD_LEFT_FINE, FABRIC_FINE, made, cuts);
   set_table(side, p, yarn, cuts, made, whole.weight, status);

@@ -47,7 +47,7 @@ static double no_shadows_from(const shade_fabric *f) {
   return 1 / sqrt(1 + least * least) * (1 + 1e-6);
 }
 
-void fabric_set_shadows(shade_fabric *f) {
+void shade_fabric_set_shadows(shade_fabric *f) {
   double u[LEANS_BLOCK], v[LEANS_BLOCK], dx[LEANS_BLOCK], dy[LEANS_BLOCK];
   int top[LEANS_BLOCK], count[2] = {0, 0};
   const shade_crossings out = {.size = sizeof out, .top = top, .dx = dx, .dy = dy};

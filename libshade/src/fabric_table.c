@@ -302,7 +302,7 @@ static void set_matt(fabric_table *t, const fabric_lobes *l, factors *f) {
   }
 }
 
-int fabric_table_models(const shade_bsdf *lobe) {
+int shade_fabric_table_models(const shade_bsdf *lobe) {
   const bsdf *b = bsdf_of(lobe);
   return side_of(exponent_of(b, b->numbers.kx)) && side_of(exponent_of(b, b->numbers.ky)) &&
          b->brdf == SHADE_BRDF_ASHIKHMIN_SHIRLEY && b->carry.map != SHADE_MAP_NONE &&
@@ -310,9 +310,9 @@ int fabric_table_models(const shade_bsdf *lobe) {
          b->diffuse != SHADE_DIFFUSE_POULIN_FOURNIER;
 }
 
-fabric_table *fabric_table_create(const fabric_lobes *spec, const fabric_lobes *matt) {
-  if (!fabric_table_models(spec->bsdf) || !fabric_table_models(matt->bsdf) || !spec->count ||
-      spec->count > FABRIC_FINE || !matt->count || matt->count > FABRIC_MATT_LOBES)
+fabric_table *shade_fabric_table_create(const fabric_lobes *spec, const fabric_lobes *matt) {
+  if (!shade_fabric_table_models(spec->bsdf) || !shade_fabric_table_models(matt->bsdf) ||
+      !spec->count || spec->count > FABRIC_FINE || !matt->count || matt->count > FABRIC_MATT_LOBES)
     return NULL;
   const bsdf *b = bsdf_of(spec->bsdf);
   const int columns = side_of(exponent_of(b, b->numbers.kx)),
@@ -344,7 +344,7 @@ fabric_table *fabric_table_create(const fabric_lobes *spec, const fabric_lobes *
   return t;
 }
 
-void fabric_table_free(fabric_table *table) {
+void shade_fabric_table_free(fabric_table *table) {
   if (table)
     free(table->spec);
   free(table);

@@ -75,8 +75,8 @@ static void level_row(const void *context, int j, float *to) {
   memcpy(to, moment_texel(l, 0, j), (size_t)l->width * MOMENTS * sizeof *to);
 }
 
-int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, moment_row *row,
-                   moment_cell *cell, const void *context) {
+int shade_moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap,
+                         moment_row *row, moment_cell *cell, const void *context) {
   memset(p, 0, sizeof *p);
   p->wrap = wrap;
   p->cell = cell;
@@ -106,7 +106,7 @@ int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, m
   return 0;
 }
 
-void moments_free(moment_pyramid *p) {
+void shade_moments_free(moment_pyramid *p) {
   for (int i = 0; i < p->levels; i++)
     free(p->level[i].texels);
   p->levels = 0;
@@ -131,14 +131,14 @@ static void spread(const moment_pyramid *p, const double footprint[4], double m[
   m[2] = ay * ay + by * by;
 }
 
-double moments_extent(const moment_pyramid *p, const double footprint[4]) {
+double shade_moments_extent(const moment_pyramid *p, const double footprint[4]) {
   double m[3], value[2];
   spread(p, footprint, m);
   principal(m, value);
   return sqrt(value[0]);
 }
 
-double moments_blend(double extent) {
+double shade_moments_blend(double extent) {
   /* the filter of level 0 is as wide as a box of sqrt 3 texels */
   const double from = 1.7320508075688772;
   return fmin(fmax(extent / from - 1, 0), 1);
@@ -206,8 +206,8 @@ static double beyond_cells(double area2) {
   return fmin(fmax((sqrt(sqrt(area2)) - from) / (to - from), 0), 1);
 }
 
-void moments_lookup(const moment_pyramid *p, double u, double v, const double footprint[4],
-                    double out[MOMENTS]) {
+void shade_moments_lookup(const moment_pyramid *p, double u, double v, const double footprint[4],
+                          double out[MOMENTS]) {
   const double w = p->level[0].width, h = p->level[0].height;
   double m[3], value[2];
   spread(p, footprint, m);
@@ -246,7 +246,7 @@ void moments_lookup(const moment_pyramid *p, double u, double v, const double fo
 
 /* ---- moments to slopes --------------------------------------------------------------- */
 
-void moments_add(double sum[MOMENTS], double weight, double height, double x, double y) {
+void shade_moments_add(double sum[MOMENTS], double weight, double height, double x, double y) {
   sum[MOMENT_H] += weight * height;
   sum[MOMENT_X] += weight * x;
   sum[MOMENT_Y] += weight * y;
@@ -255,12 +255,12 @@ void moments_add(double sum[MOMENTS], double weight, double height, double x, do
   sum[MOMENT_YY] += weight * y * y;
 }
 
-void moments_flat(shade_slopes *s) {
+void shade_moments_flat(shade_slopes *s) {
   memset(s, 0, sizeof *s);
   s->normal[2] = 1;
 }
 
-void moments_slopes(const double moments[MOMENTS], shade_slopes *s) {
+void shade_moments_slopes(const double moments[MOMENTS], shade_slopes *s) {
   const double x = moments[MOMENT_X], y = moments[MOMENT_Y];
   const double length = sqrt(x * x + y * y + 1);
   s->mean[0] = x;

@@ -73,27 +73,27 @@ typedef struct moment_pyramid {
  * left to that, level 1 is the first that is stored, and `context` has to last as long as `p`. 0,
  * or -1 when out of memory.
  */
-int moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap, moment_row *row,
-                   moment_cell *cell, const void *context);
-void moments_free(moment_pyramid *p);
+int shade_moments_create(moment_pyramid *p, int width, int height, moment_wrap wrap,
+                         moment_row *row, moment_cell *cell, const void *context);
+void shade_moments_free(moment_pyramid *p);
 
 /* Longer side of the footprint's ellipse, in texels of level 0. */
-double moments_extent(const moment_pyramid *p, const double footprint[4]);
+double shade_moments_extent(const moment_pyramid *p, const double footprint[4]);
 
 /*
  * Mean moments over a footprint about (u, v). The filter is smooth; its second moment is
  * that of the parallelogram, unless that is below one texel's or more than 16 times longer
  * than wide.
  */
-void moments_lookup(const moment_pyramid *p, double u, double v, const double footprint[4],
-                    double out[MOMENTS]);
+void shade_moments_lookup(const moment_pyramid *p, double u, double v, const double footprint[4],
+                          double out[MOMENTS]);
 
 /* How far (0…1) a lookup leaves sampling for the pyramid, for a footprint of this extent. */
-double moments_blend(double extent);
+double shade_moments_blend(double extent);
 
 /* The moments of one slope added, `weight` times. */
-void moments_add(double sum[MOMENTS], double weight, double height, double x, double y);
-void moments_slopes(const double moments[MOMENTS], shade_slopes *s);
-void moments_flat(shade_slopes *s);
+void shade_moments_add(double sum[MOMENTS], double weight, double height, double x, double y);
+void shade_moments_slopes(const double moments[MOMENTS], shade_slopes *s);
+void shade_moments_flat(shade_slopes *s);
 
 #endif

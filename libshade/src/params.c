@@ -46,8 +46,8 @@ enum { SHADE_TABLE_PARAMS(PARAM_INDEX) PARAM_COUNT };
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmissing-braces"
 #pragma GCC diagnostic error "-Wmissing-field-initializers"
-static const shade_params nothing = {0, 0,
-                                     SHADE_TABLE_LISTS(ONE_ZERO) SHADE_TABLE_PARAMS(KIND_OF_ZEROS)};
+static const shade_params nothing = {
+    0, 0, SHADE_TABLE_LISTS(ONE_ZERO) SHADE_TABLE_PARAMS(KIND_OF_ZEROS).defaults = 0};
 #pragma GCC diagnostic pop
 #define MEMBER_FITS(word, kind, ...)                                                               \
   _Static_assert(sizeof nothing.word == COMPONENTS_##kind * sizeof(double),                        \
@@ -108,6 +108,16 @@ int shade_list_about(shade_list list, shade_list_info *info) {
   return 1;
 }
 
+int shade_list_default(shade_list list, int defaults) {
+  if ((unsigned)list >= SHADE_LIST_COUNT)
+    return -1;
+#define CHANGE_ROW(version, LIST, before)                                                          \
+  if (list == SHADE_LIST_##LIST && defaults < version)                                             \
+    return (int)SHADE_##LIST##_##before;
+  SHADE_TABLE_CHANGES(CHANGE_ROW)
+  return lists[list].about.initial;
+}
+
 int shade_param_find(const char *word) {
   for (int row = 0; word && row < PARAM_COUNT; row++)
     if (same_word(word, params[row].word))
@@ -141,10 +151,15 @@ static double *numbers_at(shade_params *p, int row) {
 }
 
 void shade_params_init(shade_params *p) {
+  shade_params_init_as(p, SHADE_DEFAULTS);
+}
+
+void shade_params_init_as(shade_params *p, int defaults) {
   *p = nothing;
   p->size = sizeof *p;
+  p->defaults = defaults < 0 ? 0 : defaults < SHADE_DEFAULTS ? (size_t)defaults : SHADE_DEFAULTS;
   for (int list = 0; list < SHADE_LIST_COUNT; list++)
-    *choice_at(p, (shade_list)list) = lists[list].about.initial;
+    *choice_at(p, (shade_list)list) = shade_list_default((shade_list)list, defaults);
   for (int row = 0; row < PARAM_COUNT; row++)
     for (int c = 0; c < params[row].components; c++)
       numbers_at(p, row)[c] = params[row].initial;
@@ -179,10 +194,14 @@ static unsigned set_axis(shade_params *p, int axis, int row, double x) {
 }
 
 unsigned shade_params_set_exponents(shade_params *p, double ex, double ey) {
+  if (!shade_size_is_set(p->size))
+    return SHADE_BAD_INPUT;
   return set_axis(p, 0, PARAM_ex, ex) | set_axis(p, 1, PARAM_ey, ey);
 }
 
 unsigned shade_params_set_alphas(shade_params *p, double ax, double ay) {
+  if (!shade_size_is_set(p->size))
+    return SHADE_BAD_INPUT;
   return set_axis(p, 0, PARAM_ax, ax) | set_axis(p, 1, PARAM_ay, ay);
 }
 
@@ -229,14 +248,21 @@ unsigned shade_params_get(const shade_params *p, int row, double *v) {
   return SHADE_OK;
 }
 
+shade_brdf shade_brdf_before_auto(shade_brdf brdf) {
+  return brdf == SHADE_BRDF_AUTO ? (shade_brdf)shade_list_default(SHADE_LIST_BRDF, 0) : brdf;
+}
+
 shade_params shade_whole_params(const shade_params *given) {
   shade_params p;
   shade_params_init(&p);
   for (int list = 0; list < SHADE_LIST_COUNT; list++)
     *choice_at(&p, (shade_list)list) = lists[list].about.older;
-  if (given && given->size >= sizeof given->size)
+  p.defaults = 0;
+  if (given && shade_size_is_set(given->size)) {
     memcpy(&p, given, given->size < sizeof p ? given->size : sizeof p);
-  else
+    if (given->size <= offsetof(shade_params, defaults))
+      p.brdf = shade_brdf_before_auto(p.brdf);
+  } else
     shade_params_init(&p);
   p.size = sizeof p;
   return p;
@@ -244,7 +270,7 @@ shade_params shade_whole_params(const shade_params *given) {
 
 shade_params shade_params_within_ranges(const shade_params *given, unsigned *status) {
   shade_params p = shade_whole_params(given);
-  if (given && given->size < sizeof given->size)
+  if (given && !shade_size_is_set(given->size))
     *status |= SHADE_BAD_INPUT;
   for (int list = 0; list < SHADE_LIST_COUNT; list++)
     *status |= shade_params_set_choice(&p, (shade_list)list, *choice_at(&p, (shade_list)list));

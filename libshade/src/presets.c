@@ -565,16 +565,17 @@ int shade_preset_find(const char *word, shade_preset *preset) {
 
 shade_fabric *shade_preset_fabric(const shade_preset *preset, shade_weave **weave,
                                   unsigned *status) {
-  *weave = NULL;
+  if (weave)
+    *weave = NULL;
   if (!preset || preset->kind != SHADE_PRESET_FABRIC)
     return NULL;
   shade_draft *draft = shade_draft_named(preset->weave);
-  *weave = draft ? shade_weave_create(draft, &preset->yarns, status) : NULL;
+  shade_weave *made = draft ? shade_weave_create(draft, &preset->yarns, status) : NULL;
   shade_draft_free(draft);
-  shade_fabric *fabric = shade_fabric_create(*weave, &preset->fabric, status);
-  if (!fabric) {
-    shade_weave_free(*weave);
-    *weave = NULL;
-  }
+  shade_fabric *fabric = shade_fabric_create(made, &preset->fabric, status);
+  if (weave && fabric)
+    *weave = made;
+  else
+    shade_weave_free(made);
   return fabric;
 }

@@ -19,6 +19,8 @@ static double between(double x, double low, double high) {
 
 unsigned shade_params_set_roughness(shade_params *p, shade_roughness convention, double roughness,
                                     double anisotropy) {
+  if (!shade_size_is_set(p->size))
+    return SHADE_BAD_INPUT;
   unsigned status = SHADE_OK;
   if ((unsigned)convention >= SHADE_ROUGHNESS_COUNT) {
     status = SHADE_BAD_CHOICE;
@@ -68,7 +70,9 @@ unsigned shade_params_get_roughness(const shade_params *given, shade_roughness c
                                     double *roughness, double *anisotropy, int *turned) {
   shade_params p;
   shade_params_init(&p);
-  unsigned status = shade_params_set_alphas(&p, given->ax, given->ay);
+  unsigned status = shade_size_is_set(given->size) ? SHADE_OK : SHADE_BAD_INPUT;
+  if (!status)
+    status = shade_params_set_alphas(&p, given->ax, given->ay);
   if ((unsigned)convention >= SHADE_ROUGHNESS_COUNT) {
     status |= SHADE_BAD_CHOICE;
     convention = SHADE_ROUGHNESS_BLENDER_PRINCIPLED;
@@ -126,6 +130,8 @@ int shade_params_set_metal(shade_params *p, const char *word) {
   for (int row = 0; word && shade_metal_row(row, &m); row++) {
     if (!same_word(word, m.word))
       continue;
+    if (!shade_size_is_set(p->size))
+      return 0;
     p->fresnel = SHADE_FRESNEL_CONDUCTOR;
     for (int c = 0; c < 3; c++) {
       double k2 = m.k[c] * m.k[c];

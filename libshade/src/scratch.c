@@ -251,7 +251,7 @@ static void sample(const shade_scratch_field *f, double u, double v, const doubl
       double slope[2];
       const double h =
           evaluate(f, u + s * side[0] + t * side[2], v + s * side[1] + t * side[3], slope);
-      moments_add(out, 1.0 / (n1 * n2), h, slope[0], slope[1]);
+      shade_moments_add(out, 1.0 / (n1 * n2), h, slope[0], slope[1]);
     }
 }
 
@@ -267,8 +267,9 @@ shade_scratch_field *shade_scratch_create(const shade_scratch_params *given, uns
     return NULL;
   f->aspect = p.aspect;
   f->seed = p.seed;
-  if (make_pits(f, &p) != 0 || scratch_fill_bins(f) != 0 ||
-      (p.cells > 0 && scratch_make_table(f, p.cells, shade_isa_tables[shade_isa_chosen()]) != 0)) {
+  if (make_pits(f, &p) != 0 || shade_scratch_fill_bins(f) != 0 ||
+      (p.cells > 0 &&
+       shade_scratch_make_table(f, p.cells, shade_isa_tables[shade_isa_chosen()]) != 0)) {
     shade_scratch_free(f);
     return NULL;
   }
@@ -279,7 +280,7 @@ void shade_scratch_free(shade_scratch_field *f) {
   if (!f)
     return;
   if (f->has_table)
-    moments_free(&f->table);
+    shade_moments_free(&f->table);
   free(f->pit);
   free(f->start);
   free(f->list);
@@ -299,15 +300,15 @@ unsigned shade_scratch_eval(const shade_scratch_field *f, double u, double v,
     finite = finite && isfinite(footprint[i]);
     side[i] = fmin(fmax(footprint[i], -1e3), 1e3);
   }
-  moments_flat(slopes);
+  shade_moments_flat(slopes);
   if (height)
     *height = 0;
   if (!finite)
     return SHADE_BAD_INPUT;
   u = unit(u);
   v = unit(v);
-  const double extent = f->has_table ? moments_extent(&f->table, side) : 0;
-  const double blend = f->has_table ? moments_blend(extent) : 0;
+  const double extent = f->has_table ? shade_moments_extent(&f->table, side) : 0;
+  const double blend = f->has_table ? shade_moments_blend(extent) : 0;
   if (blend < 1) {
     const double cell = f->has_table ? 1.0 / f->table.level[0].width : 0;
     const double spacing = f->has_table ? cell / f->steps : 1e-4;
@@ -315,11 +316,11 @@ unsigned shade_scratch_eval(const shade_scratch_field *f, double u, double v,
            steps(hypot(side[2], side[3] * f->aspect), spacing), moments);
   }
   if (blend > 0) {
-    moments_lookup(&f->table, u, v, side, far);
+    shade_moments_lookup(&f->table, u, v, side, far);
     for (int c = 0; c < MOMENTS; c++)
       moments[c] += blend * (far[c] - moments[c]);
   }
-  moments_slopes(moments, slopes);
+  shade_moments_slopes(moments, slopes);
   if (height)
     *height = moments[MOMENT_H];
   return SHADE_OK;

@@ -47,7 +47,7 @@ static inline uint64_t scratch_mix(uint64_t z) { /* splitmix64's */
 }
 
 /* 0, or -1 when out of memory. */
-int scratch_fill_bins(shade_scratch_field *f);
+int shade_scratch_fill_bins(shade_scratch_field *f);
 
 /*
  * The table that answers footprints, `cells` along the tile's longer side; f->columns x f->rows
@@ -62,6 +62,6 @@ int scratch_fill_bins(shade_scratch_field *f);
  * along u or v are met at as many different places as there are samples, and lies in the middle
  * half of where they cross. [Chiu1994]
  */
-int scratch_make_table(shade_scratch_field *f, int cells, const shade_isa_table *isa);
+int shade_scratch_make_table(shade_scratch_field *f, int cells, const shade_isa_table *isa);
 
 #endif

@@ -145,7 +145,7 @@ static void list_pits(shade_scratch_field *f, const pit_rows *rows, const stretc
     }
 }
 
-int scratch_fill_bins(shade_scratch_field *f) {
+int shade_scratch_fill_bins(shade_scratch_field *f) {
   double width, height;
   bin_sides(f, &width, &height);
   f->across = (int)fmin(fmax(floor(1 / width), 1), 1e6);

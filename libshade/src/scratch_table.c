@@ -210,7 +210,7 @@ static int draw_table(drawing *d, moment_pyramid *table) {
     shift[i] = ((float)scratch_shuffled(k, across) + 0.25F) / (float)across;
   }
   if (status == 0)
-    status = moments_create(table, d->width, d->height, WRAP_REPEAT, table_row, NULL, &d);
+    status = shade_moments_create(table, d->width, d->height, WRAP_REPEAT, table_row, NULL, &d);
   free(cell64);
   free(shift);
   free(d->row.sum);
@@ -256,7 +256,7 @@ static void choose_samples(shade_scratch_field *f, drawing *d) {
   f->rows = r->down;
 }
 
-int scratch_make_table(shade_scratch_field *f, int cells, const shade_isa_table *isa) {
+int shade_scratch_make_table(shade_scratch_field *f, int cells, const shade_isa_table *isa) {
   const int width = f->aspect > 1 ? (int)ceil(cells / f->aspect) : cells;
   const int height = f->aspect > 1 ? cells : (int)ceil(cells * f->aspect);
   drawing d = {.f = f, .isa = isa, .width = width, .height = height};

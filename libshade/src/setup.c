@@ -45,25 +45,10 @@ static void setup_draws(bsdf *b) {
   }
 }
 
-/* The numbers in float. */
-static void narrow(bsdf *b) {
-  const bsdf_numbers *d = &b->numbers;
-  bsdf_numbersf *f = &b->numbersf;
-  f->kx = (float)d->kx;
-  f->ky = (float)d->ky;
-  f->peak = (float)d->peak;
-  f->gx = (float)d->gx;
-  f->gy = (float)d->gy;
-  for (int c = 0; c < 3; c++) {
-    f->f0[c] = (float)d->f0[c];
-    f->tint[c] = (float)d->tint[c];
-    f->k[c] = (float)d->k[c];
-    f->kd[c] = (float)d->kd[c];
-  }
-  f->proposal = (float)d->proposal;
-  f->per_slope = (float)d->per_slope;
-  f->share_lobe = (float)d->share_lobe;
-  f->share_diffuse = (float)d->share_diffuse;
+shade_brdf shade_params_brdf(const shade_params *given) {
+  unsigned unused = SHADE_OK;
+  const shade_params p = shade_params_within_ranges(given, &unused);
+  return shade_brdf_with(p.mdf, p.brdf);
 }
 
 unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
@@ -73,7 +58,7 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   memset(out, 0, sizeof *out);
   b->isa = shade_isa_chosen();
   b->mdf = p.mdf;
-  b->brdf = p.brdf;
+  b->brdf = shade_brdf_with(p.mdf, p.brdf);
   b->detail = p.detail;
   b->fresnel = p.fresnel;
   b->diffuse = p.diffuse;
@@ -123,6 +108,6 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   b->black = fresnel.f0 && !fresnel.tint && !fresnel.grazing &&
              !(b->numbers.f0[0] + b->numbers.f0[1] + b->numbers.f0[2] > 0);
   setup_draws(b);
-  narrow(b);
+  narrow_numbers(b);
   return status;
 }

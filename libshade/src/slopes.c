@@ -139,8 +139,8 @@ static void texel_moments(const void *context, int j, float *to) {
     for (int a = 0; a < 4; a++)
       for (int b = 0; b < 4; b++) {
         const double *near = column[1][a], *far = column[at[b] < 0 ? 0 : 2][a], t = fabs(at[b]);
-        moments_add(sum, 1.0 / 16, 0, near[0] + t * (far[0] - near[0]),
-                    near[1] + t * (far[1] - near[1]));
+        shade_moments_add(sum, 1.0 / 16, 0, near[0] + t * (far[0] - near[0]),
+                          near[1] + t * (far[1] - near[1]));
       }
     for (int c = 0; c < MOMENTS; c++)
       to[i * MOMENTS + c] = (float)sum[c];
@@ -161,7 +161,7 @@ static void cell_moments(const void *context, int i, int j, double to[MOMENTS]) 
     twist[k] = p - q - r + s;
   }
   memset(to, 0, MOMENTS * sizeof *to);
-  moments_add(to, 1, 0, mean[0], mean[1]);
+  shade_moments_add(to, 1, 0, mean[0], mean[1]);
   /* what is linear in one direction, and in both, has no mean, but a mean square */
   for (int k = 0; k < 3; k++) {
     const int x = k == 2, y = k != 0;
@@ -193,8 +193,8 @@ shade_slope_map *shade_slope_map_create(const float *pixels, int width, int heig
   for (size_t i = 0; m->slopes && i < count; i++)
     found |= read_texel(pixels + i * (size_t)channels, channels, &o, m->slopes + 2 * i);
   *status = found;
-  if (!m->slopes ||
-      moments_create(&m->pyramid, width, height, m->wrap, texel_moments, cell_moments, m) != 0) {
+  if (!m->slopes || shade_moments_create(&m->pyramid, width, height, m->wrap, texel_moments,
+                                         cell_moments, m) != 0) {
     shade_slope_map_free(m);
     return NULL;
   }
@@ -204,7 +204,7 @@ shade_slope_map *shade_slope_map_create(const float *pixels, int width, int heig
 void shade_slope_map_free(shade_slope_map *m) {
   if (!m)
     return;
-  moments_free(&m->pyramid);
+  shade_moments_free(&m->pyramid);
   free(m->slopes);
   free(m);
 }
@@ -221,7 +221,7 @@ static void add_point(const shade_slope_map *m, double u, double v, double weigh
   for (int k = 0; k < 2; k++)
     s[k] = (1 - ty) * ((1 - tx) * (double)a[k] + tx * (double)b[k]) +
            ty * ((1 - tx) * (double)c[k] + tx * (double)d[k]);
-  moments_add(moments, weight, 0, s[0], s[1]);
+  shade_moments_add(moments, weight, 0, s[0], s[1]);
 }
 
 /* Two points a texel, but few enough; three where that is enough, so that there is a covariance. */
@@ -262,7 +262,7 @@ static double blend_of(const moment_pyramid *p, const double side[4]) {
   const double root = sqrt(fabs(side[0] * side[3] - side[1] * side[2]) * texels);
   const double round = (root - SLOPE_NEAR) / (SLOPE_FAR - SLOPE_NEAR);
   const double thin =
-      (moments_extent(p, side) - SLOPE_LONG_NEAR) / (SLOPE_LONG_FAR - SLOPE_LONG_NEAR);
+      (shade_moments_extent(p, side) - SLOPE_LONG_NEAR) / (SLOPE_LONG_FAR - SLOPE_LONG_NEAR);
   return fmin(fmax(fmax(round, thin), 0), 1);
 }
 
@@ -284,7 +284,7 @@ unsigned shade_slope_lookup(const shade_slope_map *m, double u, double v, const 
     side[i] = fmin(fmax(footprint[i], -1e3), 1e3);
     longest = fmax(longest, fabs(side[i]));
   }
-  moments_flat(slopes);
+  shade_moments_flat(slopes);
   if (!finite)
     return SHADE_BAD_INPUT;
   u = place(u, m->wrap, longest);
@@ -302,11 +302,11 @@ unsigned shade_slope_lookup(const shade_slope_map *m, double u, double v, const 
     }
   }
   if (blend > 0) {
-    moments_lookup(&m->pyramid, u, v, side, far);
+    shade_moments_lookup(&m->pyramid, u, v, side, far);
     for (int c = 0; c < MOMENTS; c++)
       moments[c] += blend * (far[c] - moments[c]);
   }
-  moments_slopes(moments, slopes);
+  shade_moments_slopes(moments, slopes);
   return SHADE_OK;
 }
 
@@ -390,7 +390,8 @@ typedef struct lobe_widths {
  * all lights, if not at the peak.
  */
 static double narrowed(const shade_params *p) {
-  return fmin(shade_mdf_is(p->mdf).narrowed, p->brdf == SHADE_BRDF_MICROFACET ? 1 : 0.5);
+  const int shadowed = shade_brdf_with(p->mdf, p->brdf) == SHADE_BRDF_MICROFACET;
+  return fmin(shade_mdf_is(p->mdf).narrowed, shadowed ? 1 : 0.5);
 }
 
 static lobe_widths widths_of(const shade_params *p) {

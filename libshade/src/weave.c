@@ -90,6 +90,8 @@ unsigned shade_weave_params_set_twist(shade_weave_params *p, shade_top yarns, in
                                       double angle, double strands, int plied) {
   const int warp = yarns == SHADE_TOP_WARP;
   shade_yarn_params *yarn = warp ? &p->warp : &p->weft, *other = warp ? &p->weft : &p->warp;
+  if (p->size < sizeof p->size)
+    return SHADE_BAD_INPUT;
   unsigned status = clamp_yarn(yarn) | clamp_yarn(other);
   int sign = hand == 'S' || hand == 's' ? 1 : hand == 'Z' || hand == 'z' ? -1 : 0;
   if (!sign) {
@@ -122,6 +124,8 @@ static double mean_length(const shade_thread *threads, int count, int spacing, i
 }
 
 int shade_weave_params_from_draft(shade_weave_params *p, const shade_draft *draft) {
+  if (p->size < sizeof p->size)
+    return 0;
   double thickness[2], spacing[2];
   int stated;
   for (int k = 0; k < 2; k++) {
@@ -241,6 +245,7 @@ shade_weave *shade_weave_create(const shade_draft *draft, const shade_weave_para
   shade_weave *w = draft ? calloc(1, sizeof *w) : NULL;
   if (!w)
     return NULL;
+  atomic_init(&w->holders, 1);
   w->isa = shade_isa_chosen();
   shade_weave_params_init(&w->params);
   if (p && p->size < sizeof p->size)
@@ -286,8 +291,14 @@ shade_weave *shade_weave_create(const shade_draft *draft, const shade_weave_para
   return w;
 }
 
+shade_weave *shade_weave_share(const shade_weave *weave) {
+  shade_weave *shared = (shade_weave *)(uintptr_t)weave;
+  atomic_fetch_add(&shared->holders, 1);
+  return shared;
+}
+
 void shade_weave_free(shade_weave *weave) {
-  if (!weave)
+  if (!weave || atomic_fetch_sub(&weave->holders, 1) > 1)
     return;
   shade_draft_free(weave->draft);
   free(weave->cells);

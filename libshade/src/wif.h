@@ -62,7 +62,7 @@ typedef enum section {
 } section;
 
 /* In capitals, as the format has them. */
-extern const char *const wif_section_names[SECTIONS];
+extern const char *const shade_wif_section_names[SECTIONS];
 
 /* What is mended, and said once for each. */
 typedef enum mending {
@@ -158,58 +158,58 @@ typedef struct span {
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
-int wif_fail(const wif *w, long line, const char *format, ...);
+int shade_wif_fail(const wif *w, long line, const char *format, ...);
 
 /* Note what was mended; of each kind the first is kept and the others counted. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 4, 5)))
 #endif
-void wif_mend(wif *w, mending kind, long line, const char *format, ...);
+void shade_wif_mend(wif *w, mending kind, long line, const char *format, ...);
 
 /* The message of a draft that was read: "NAME: mended: line N: …; line M: …", or nothing. */
-void wif_say_mended(const wif *w);
+void shade_wif_say_mended(const wif *w);
 
-span wif_trim(const char *at, const char *end);
+span shade_wif_trim(const char *at, const char *end);
 
 /* Whether the span is the word (in capitals), whatever blanks, - and _ it has; COLOUR is COLOR. */
-int wif_is_word(span s, const char *word);
+int shade_wif_is_word(span s, const char *word);
 
 /* 1 yes, 0 no, -1 neither. */
-int wif_is_yes(span s);
+int shade_wif_is_yes(span s);
 
 /* What stands before a comment, without quotation marks around it. */
-span wif_value(span s);
+span shade_wif_value(span s);
 
 /* For messages: at most 40 characters, what cannot be shown as '?'. */
 typedef struct shown {
   char text[44];
 } shown;
-shown wif_show(span s);
+shown shade_wif_show(span s);
 
 /* The next of the items that commas or blanks separate, taken from *s; empty: there is none. */
-span wif_item(span *s);
+span shade_wif_item(span *s);
 
 /* A whole number of 0 to MAX_NUMBER that is the whole span; "3.0" passes as 3. -1 otherwise. */
-int wif_whole(span s);
+int shade_wif_whole(span s);
 
 /* Centimetres of the unit that the word names; 0: not known. */
-double wif_unit(span s);
+double shade_wif_unit(span s);
 
 /*
  * 0 and a length of 0 to 1e6, with or without its unit, that is the whole span, or -1. A lone
  * comma passes as the decimal point.
  */
-int wif_length(const wif *w, span s, length *to);
+int shade_wif_length(const wif *w, span s, length *to);
 
 /*
  * From *text on, *length bytes without a byte order mark: of UTF-16 what is not ASCII becomes '?'.
  * *made is what to free, or NULL. -1 when out of memory.
  */
-int wif_as_bytes(const char **text, size_t *length, char **made);
+int shade_wif_as_bytes(const char **text, size_t *length, char **made);
 
 /* --- wif_draft.c --- */
 
 /* The draft of what was read; NULL with an error as the message. */
-shade_draft *wif_draft(wif *w);
+shade_draft *shade_wif_draft(wif *w);
 
 #endif

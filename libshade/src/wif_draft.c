@@ -23,11 +23,12 @@ static int first_key(wif *w, section where, int count) {
   if (!r->zero_line)
     return 1;
   if (count && r->largest >= count) {
-    wif_mend(w, ROW_BEYOND, r->zero_line, "row 0 of [%s], which counts from 1: left out",
-             wif_section_names[where]);
+    shade_wif_mend(w, ROW_BEYOND, r->zero_line, "row 0 of [%s], which counts from 1: left out",
+                   shade_wif_section_names[where]);
     return 1;
   }
-  wif_mend(w, KEYS_FROM_0, r->zero_line, "[%s] counts from 0", wif_section_names[where]);
+  shade_wif_mend(w, KEYS_FROM_0, r->zero_line, "[%s] counts from 0",
+                 shade_wif_section_names[where]);
   return 0;
 }
 
@@ -48,13 +49,13 @@ static const row **index_rows(wif *w, section where, int first, int size) {
     if (k < 0)
       continue;
     if (k >= size) {
-      wif_mend(w, ROW_BEYOND, r->line, "row %d of [%s], where there are %d: left out", r->key,
-               wif_section_names[where], size);
+      shade_wif_mend(w, ROW_BEYOND, r->line, "row %d of [%s], where there are %d: left out", r->key,
+                     shade_wif_section_names[where], size);
       continue;
     }
     if (index[k] && !same_row(w, index[k], r))
-      wif_mend(w, ROW_TWICE, r->line, "row %d of [%s] once more: the last holds", r->key,
-               wif_section_names[where]);
+      shade_wif_mend(w, ROW_TWICE, r->line, "row %d of [%s] once more: the last holds", r->key,
+                     shade_wif_section_names[where]);
     index[k] = r;
   }
   return index;
@@ -89,11 +90,12 @@ static int check_numbers(wif *w, section where, const char *name, int announced)
     for (int k = 0; k < r->count; k++) {
       const int n = w->pool[r->first + k];
       if (n > SHADE_DRAFT_MAX_SIDE)
-        return wif_fail(w, r->line, "%s %d in [%s]: expected at most %d", name, n,
-                        wif_section_names[where], SHADE_DRAFT_MAX_SIDE);
+        return shade_wif_fail(w, r->line, "%s %d in [%s]: expected at most %d", name, n,
+                              shade_wif_section_names[where], SHADE_DRAFT_MAX_SIDE);
       if (announced && n > announced)
-        wif_mend(w, SHAFT_BEYOND, r->line, "%s %d in [%s], the file announces %d: read as it is",
-                 name, n, wif_section_names[where], announced);
+        shade_wif_mend(w, SHAFT_BEYOND, r->line,
+                       "%s %d in [%s], the file announces %d: read as it is", name, n,
+                       shade_wif_section_names[where], announced);
     }
   }
   return 0;
@@ -115,7 +117,7 @@ static int first_shaft(wif *w, plan by) {
   const int keyed = w->rows[THREADING].zero_line || w->rows[lifts].zero_line;
   if (!keyed && !(lifted.zero_beside && largest == w->shafts - 1))
     return 1;
-  wif_mend(w, SHAFTS_FROM_0, w->seen[THREADING], "shafts count from 0");
+  shade_wif_mend(w, SHAFTS_FROM_0, w->seen[THREADING], "shafts count from 0");
   return 0;
 }
 
@@ -139,7 +141,7 @@ static const char *draw_down(wif *w, plan by, int ends, int picks, unsigned char
       first_treadle = 0;
   }
   if (!first_treadle)
-    wif_mend(w, TREADLES_FROM_0, w->seen[TREADLING], "treadles count from 0");
+    shade_wif_mend(w, TREADLES_FROM_0, w->seen[TREADLING], "treadles count from 0");
   const row **threading =
       index_rows(w, THREADING, first_key(w, THREADING, w->way[0].threads), ends);
   const row **rows = index_rows(w, steps, first_key(w, steps, w->way[1].threads), picks);
@@ -161,8 +163,8 @@ static const char *draw_down(wif *w, plan by, int ends, int picks, unsigned char
       pressed[treadle] = j + 1;
       const row *tied = tieup[treadle - shift];
       if (!tied && treadle > (w->treadles ? w->treadles : w->rows[TIEUP].largest))
-        wif_mend(w, NOT_TIED, r->line, "treadle %d in [TREADLING] is not in [TIEUP]: lifts nothing",
-                 treadle);
+        shade_wif_mend(w, NOT_TIED, r->line,
+                       "treadle %d in [TREADLING] is not in [TIEUP]: lifts nothing", treadle);
       mark_shafts(w, tied, marks, j + 1);
       work += tied ? tied->count : 0;
     }
@@ -200,8 +202,8 @@ static void compare_plans(wif *w, plan taken, const shade_draft *d) {
   memcpy(w->mended, kept, sizeof kept);
   if (differ) {
     const section where[2] = {TREADLING, LIFTPLAN};
-    wif_mend(w, TWO_PLANS, w->seen[where[left]], "[%s] says otherwise than [%s]: left out",
-             wif_section_names[where[left]], wif_section_names[where[taken]]);
+    shade_wif_mend(w, TWO_PLANS, w->seen[where[left]], "[%s] says otherwise than [%s]: left out",
+                   shade_wif_section_names[where[left]], shade_wif_section_names[where[taken]]);
   }
   free(other);
 }
@@ -249,16 +251,17 @@ static void guess_range(wif *w, int channels) {
                                                     : largest;
   w->range[1] = usual;
   if (usual != 255)
-    wif_mend(w, RANGE_GUESSED, w->seen[COLOR_TABLE],
-             "[COLOR TABLE] has %d, and there is no Range: taken as Range=0,%d", largest, usual);
+    shade_wif_mend(w, RANGE_GUESSED, w->seen[COLOR_TABLE],
+                   "[COLOR TABLE] has %d, and there is no Range: taken as Range=0,%d", largest,
+                   usual);
 }
 
 /* One channel, [0, 1]. */
 static double channel(wif *w, int value, int color, long line) {
   const double low = w->range[0], high = w->range[1];
   if (value < low || value > high) {
-    wif_mend(w, RANGE_LEFT, line, "colour %d: %d is not within Range=%g,%g: taken as %g", color,
-             value, low, high, value < low ? low : high);
+    shade_wif_mend(w, RANGE_LEFT, line, "colour %d: %d is not within Range=%g,%g: taken as %g",
+                   color, value, low, high, value < low ? low : high);
     return value > high;
   }
   return (value - low) / (high - low);
@@ -267,8 +270,8 @@ static double channel(wif *w, int value, int color, long line) {
 static void read_color(wif *w, const row *r, int channels, double to[3]) {
   const int *n = w->pool + r->first;
   if (r->count != channels)
-    wif_mend(w, CHANNELS, r->line, "colour %d has %d numbers, expected %d: %s", r->key, r->count,
-             channels, r->count < channels ? "no black" : "the others left out");
+    shade_wif_mend(w, CHANNELS, r->line, "colour %d has %d numbers, expected %d: %s", r->key,
+                   r->count, channels, r->count < channels ? "no black" : "the others left out");
   for (int c = 0; c < 3; c++)
     to[c] = channel(w, n[c], r->key, r->line);
   if (channels == 3)
@@ -289,7 +292,7 @@ static int make_palette(wif *w, palette *p) {
   const row **rows = index_rows(w, COLOR_TABLE, 0, p->size);
   if (!p->colors || !rows) {
     free(rows);
-    return wif_fail(w, 0, out_of_memory);
+    return shade_wif_fail(w, 0, out_of_memory);
   }
   if (!w->has_range)
     guess_range(w, channels);
@@ -304,7 +307,7 @@ static int make_palette(wif *w, palette *p) {
     first_key(w, COLOR_TABLE, 0);
     p->shift = u.largest == p->size ? -1 : 0;
   } else if (u.zero && u.largest == table->largest - 1) {
-    wif_mend(w, COLORS_FROM_0, w->seen[COLOR_TABLE], "the colours of yarns count from 0");
+    shade_wif_mend(w, COLORS_FROM_0, w->seen[COLOR_TABLE], "the colours of yarns count from 0");
     p->shift = 1;
   }
   return 0;
@@ -320,7 +323,7 @@ static void set_color(wif *w, const palette *p, int color, const int *rgb, long 
     for (int c = 0; c < 3; c++)
       to[c] = channel(w, rgb[c], color, line);
   else if (p->colors && color)
-    wif_mend(w, COLOR_MISSING, line, "colour %d is not in [COLOR TABLE]: the default", color);
+    shade_wif_mend(w, COLOR_MISSING, line, "colour %d is not in [COLOR TABLE]: the default", color);
 }
 
 static double centimetres(length l, double unit) {
@@ -337,9 +340,10 @@ static int set_threads(wif *w, int weft, const palette *p, shade_thread *threads
     const int needed = d->spacing.value > 0 || d->thickness.value > 0 ||
                        w->rows[lengths[0]].count || w->rows[lengths[1]].count;
     if (needed)
-      return wif_fail(w, d->units_line, "Units=%s: expected decipoints, inches or centimeters",
-                      d->units);
-    wif_mend(w, UNITS_UNKNOWN, d->units_line, "Units=%s, of no length: passed over", d->units);
+      return shade_wif_fail(w, d->units_line,
+                            "Units=%s: expected decipoints, inches or centimeters", d->units);
+    shade_wif_mend(w, UNITS_UNKNOWN, d->units_line, "Units=%s, of no length: passed over",
+                   d->units);
   }
   shade_thread usual = {
       {1, 1, 1}, centimetres(d->thickness, d->unit), centimetres(d->spacing, d->unit)};
@@ -350,7 +354,7 @@ static int set_threads(wif *w, int weft, const palette *p, shade_thread *threads
   const row **own = index_rows(w, colors, first_key(w, colors, count), count);
   const row **spacing = index_rows(w, lengths[0], first_key(w, lengths[0], count), count);
   const row **thickness = index_rows(w, lengths[1], first_key(w, lengths[1], count), count);
-  const int status = own && spacing && thickness ? 0 : wif_fail(w, 0, out_of_memory);
+  const int status = own && spacing && thickness ? 0 : shade_wif_fail(w, 0, out_of_memory);
   for (int i = 0; !status && i < count; i++) {
     if (own[i] && own[i]->count) {
       const int *n = w->pool + own[i]->first;
@@ -377,31 +381,32 @@ static int count_threads(wif *w, int weft, section where, const char *what) {
     return rows;
   /* a liftplan may well end with picks that lift nothing */
   if (where != LIFTPLAN && rows < d->threads)
-    wif_mend(w, FEWER_ROWS, d->threads_line, "Threads=%d, but [%s] ends with %d: the others %s",
-             d->threads, wif_section_names[where], w->rows[where].largest, what);
+    shade_wif_mend(w, FEWER_ROWS, d->threads_line,
+                   "Threads=%d, but [%s] ends with %d: the others %s", d->threads,
+                   shade_wif_section_names[where], w->rows[where].largest, what);
   return d->threads;
 }
 
 static void check_contents(wif *w) {
   for (int s = 0; s < SECTIONS; s++) {
     if (w->denied[s] && w->seen[s] && (s >= ROWS || w->rows[s].count))
-      wif_mend(w, CONTENTS_WRONG, w->denied[s], "[CONTENTS] denies [%s]: read all the same",
-               wif_section_names[s]);
+      shade_wif_mend(w, CONTENTS_WRONG, w->denied[s], "[CONTENTS] denies [%s]: read all the same",
+                     shade_wif_section_names[s]);
     if (w->announced[s] && !w->seen[s])
-      wif_mend(w, CONTENTS_WRONG, w->announced[s], "[CONTENTS] announces [%s]: not there",
-               wif_section_names[s]);
+      shade_wif_mend(w, CONTENTS_WRONG, w->announced[s], "[CONTENTS] announces [%s]: not there",
+                     shade_wif_section_names[s]);
   }
 }
 
-shade_draft *wif_draft(wif *w) {
+shade_draft *shade_wif_draft(wif *w) {
   const int threading = w->rows[THREADING].count > 0, tieup = w->rows[TIEUP].count > 0;
   const int treadling = w->rows[TREADLING].count > 0, liftplan = w->rows[LIFTPLAN].count > 0;
   if (!threading && !liftplan) {
-    wif_fail(w, 0, "no [THREADING]: expected the sections of a Weaving Information File");
+    shade_wif_fail(w, 0, "no [THREADING]: expected the sections of a Weaving Information File");
     return NULL;
   }
   if (!treadling && !liftplan) {
-    wif_fail(w, 0, "expected [TIEUP] and [TREADLING], or [LIFTPLAN]");
+    shade_wif_fail(w, 0, "expected [TIEUP] and [TREADLING], or [LIFTPLAN]");
     return NULL;
   }
   const int both = liftplan && treadling && tieup && threading;
@@ -421,26 +426,27 @@ shade_draft *wif_draft(wif *w) {
     /* as on a loom with a hook for each end */
     const int used = uses_of(w, LIFTPLAN).largest;
     ends = w->way[0].threads ? w->way[0].threads : w->shafts ? w->shafts : used ? used : 1;
-    wif_mend(w, THREADING_MISSING, 0, "no [THREADING]: end n is on shaft n");
+    shade_wif_mend(w, THREADING_MISSING, 0, "no [THREADING]: end n is on shaft n");
   }
   const int picks = count_threads(w, 1, steps, "lift nothing");
   if (ends > SHADE_DRAFT_MAX_CELLS / picks) {
-    wif_fail(w, w->way[0].threads_line, "%d ends x %d picks: expected at most %d crossings", ends,
-             picks, SHADE_DRAFT_MAX_CELLS);
+    shade_wif_fail(w, w->way[0].threads_line, "%d ends x %d picks: expected at most %d crossings",
+                   ends, picks, SHADE_DRAFT_MAX_CELLS);
     return NULL;
   }
   if (by == BY_TREADLES && !tieup)
-    wif_mend(w, TIEUP_MISSING, 0, "no [TIEUP]: treadle n lifts shaft n");
+    shade_wif_mend(w, TIEUP_MISSING, 0, "no [TIEUP]: treadle n lifts shaft n");
   if (by == BY_TREADLES && w->treadles && w->rows[TIEUP].largest > w->treadles)
-    wif_mend(w, TIEUP_BEYOND, w->seen[TIEUP], "[TIEUP] has %d treadles, the file announces %d",
-             w->rows[TIEUP].largest, w->treadles);
+    shade_wif_mend(w, TIEUP_BEYOND, w->seen[TIEUP],
+                   "[TIEUP] has %d treadles, the file announces %d", w->rows[TIEUP].largest,
+                   w->treadles);
   check_contents(w);
   palette p;
   int status = make_palette(w, &p);
   shade_draft *d = shade_draft_create(ends, picks);
   const char *wrong = d ? draw_down(w, by, ends, picks, d->warp_up) : out_of_memory;
   if (wrong)
-    status = wif_fail(w, 0, "%s", wrong);
+    status = shade_wif_fail(w, 0, "%s", wrong);
   if (!status && both)
     compare_plans(w, by, d);
   if (!status)

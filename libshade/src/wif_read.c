@@ -10,13 +10,13 @@
 static int add_row(wif *w, section where, row r) {
   rows *to = &w->rows[where];
   if (to->count == MAX_ROWS)
-    return wif_fail(w, w->line, "too many lines in [%s]: expected at most %d",
-                    wif_section_names[where], MAX_ROWS);
+    return shade_wif_fail(w, w->line, "too many lines in [%s]: expected at most %d",
+                          shade_wif_section_names[where], MAX_ROWS);
   if (to->count == to->capacity) {
     size_t capacity = to->capacity ? 2 * to->capacity : 64;
     row *data = realloc(to->data, capacity * sizeof *data);
     if (!data)
-      return wif_fail(w, 0, "out of memory");
+      return shade_wif_fail(w, 0, "out of memory");
     to->data = data;
     to->capacity = capacity;
   }
@@ -33,7 +33,7 @@ static int add_number(wif *w, int number) {
     size_t capacity = w->pool_capacity ? 2 * w->pool_capacity : 1024;
     int *pool = realloc(w->pool, capacity * sizeof *pool);
     if (!pool)
-      return wif_fail(w, 0, "out of memory");
+      return shade_wif_fail(w, 0, "out of memory");
     w->pool = pool;
     w->pool_capacity = capacity;
   }
@@ -44,13 +44,14 @@ static int add_number(wif *w, int number) {
 /* "1,3, 5" to the pool; nothing between commas counts as nothing. Returns how many, or -1. */
 static int read_list(wif *w, section where, span s) {
   int count = 0;
-  for (span item = wif_item(&s); item.at < item.end; item = wif_item(&s), count++) {
-    const int number = wif_whole(item);
+  for (span item = shade_wif_item(&s); item.at < item.end; item = shade_wif_item(&s), count++) {
+    const int number = shade_wif_whole(item);
     if (number < 0 && where == COLOR_TABLE && count >= 3)
       break; /* the colour's name */
     if (number < 0)
-      return wif_fail(w, w->line, "'%s' in [%s]: expected whole numbers from 0 on, comma separated",
-                      wif_show(item).text, wif_section_names[where]);
+      return shade_wif_fail(w, w->line,
+                            "'%s' in [%s]: expected whole numbers from 0 on, comma separated",
+                            shade_wif_show(item).text, shade_wif_section_names[where]);
     if (add_number(w, number) != 0)
       return -1;
   }
@@ -59,77 +60,79 @@ static int read_list(wif *w, section where, span s) {
 
 static int read_row(wif *w, section where, span key, span value) {
   row r = {.line = w->line, .first = (int)w->pool_count};
-  r.key = wif_whole(key);
+  r.key = shade_wif_whole(key);
   const int most = where == COLOR_TABLE ? MAX_COLORS : SHADE_DRAFT_MAX_SIDE;
   if (r.key < 0 || r.key > most)
-    return wif_fail(w, w->line,
-                    "'%s' in [%s]: expected a number of 1 to %d before the =", wif_show(key).text,
-                    wif_section_names[where], most);
+    return shade_wif_fail(w, w->line, "'%s' in [%s]: expected a number of 1 to %d before the =",
+                          shade_wif_show(key).text, shade_wif_section_names[where], most);
   if (where < WHOLE_ROWS) {
     r.count = read_list(w, where, value);
     if (r.count < 0)
       return -1;
     if (where == COLOR_TABLE && r.count < 3)
-      return wif_fail(w, w->line, "colour %d: expected three numbers: red, green, blue", r.key);
+      return shade_wif_fail(w, w->line, "colour %d: expected three numbers: red, green, blue",
+                            r.key);
     return add_row(w, where, r);
   }
   if (value.at == value.end)
     return 0;
-  if (wif_length(w, value, &r.length) != 0)
-    return wif_fail(w, w->line, "'%s' in [%s]: expected a length of 0 to 1e6", wif_show(value).text,
-                    wif_section_names[where]);
+  if (shade_wif_length(w, value, &r.length) != 0)
+    return shade_wif_fail(w, w->line, "'%s' in [%s]: expected a length of 0 to 1e6",
+                          shade_wif_show(value).text, shade_wif_section_names[where]);
   return add_row(w, where, r);
 }
 
 static int read_count(const wif *w, span key, span value, int most, int *count) {
-  *count = wif_whole(value);
+  *count = shade_wif_whole(value);
   if (*count < 0 || *count > most)
-    return wif_fail(w, w->line, "%s=%s: expected a whole number of 0 to %d", wif_show(key).text,
-                    wif_show(value).text, most);
+    return shade_wif_fail(w, w->line, "%s=%s: expected a whole number of 0 to %d",
+                          shade_wif_show(key).text, shade_wif_show(value).text, most);
   return 0;
 }
 
 static int read_direction(wif *w, direction *d, span key, span value) {
-  if (wif_is_word(key, "THREADS")) {
+  if (shade_wif_is_word(key, "THREADS")) {
     d->threads_line = w->line;
     return read_count(w, key, value, SHADE_DRAFT_MAX_SIDE, &d->threads);
   }
-  if (wif_is_word(key, "COLOR")) {
+  if (shade_wif_is_word(key, "COLOR")) {
     d->color_line = w->line;
-    if (read_count(w, key, wif_item(&value), MAX_NUMBER, &d->color) != 0)
+    if (read_count(w, key, shade_wif_item(&value), MAX_NUMBER, &d->color) != 0)
       return -1;
     /* version 1.0 added the colour itself: number,r,g,b */
     for (int c = 0; c < 3; c++)
-      d->rgb[c] = wif_whole(wif_item(&value));
+      d->rgb[c] = shade_wif_whole(shade_wif_item(&value));
     if (d->rgb[1] < 0 || d->rgb[2] < 0)
       d->rgb[0] = -1;
     return 0;
   }
-  if (wif_is_word(key, "UNITS")) {
+  if (shade_wif_is_word(key, "UNITS")) {
     /* what cannot be understood may not be needed: that shows when all is read */
     d->units_line = w->line;
-    d->unit = wif_unit(value);
-    memcpy(d->units, wif_show(value).text, sizeof d->units);
+    d->unit = shade_wif_unit(value);
+    memcpy(d->units, shade_wif_show(value).text, sizeof d->units);
     return 0;
   }
-  length *to = wif_is_word(key, "SPACING")     ? &d->spacing
-               : wif_is_word(key, "THICKNESS") ? &d->thickness
-                                               : NULL;
-  if (to && wif_length(w, value, to) != 0)
-    return wif_fail(w, w->line, "%s=%s: expected a length of 0 to 1e6", wif_show(key).text,
-                    wif_show(value).text);
+  length *to = shade_wif_is_word(key, "SPACING")     ? &d->spacing
+               : shade_wif_is_word(key, "THICKNESS") ? &d->thickness
+                                                     : NULL;
+  if (to && shade_wif_length(w, value, to) != 0)
+    return shade_wif_fail(w, w->line, "%s=%s: expected a length of 0 to 1e6",
+                          shade_wif_show(key).text, shade_wif_show(value).text);
   return 0;
 }
 
 /* "0,255"; a number alone is the highest. */
 static int read_range(wif *w, span value) {
   span rest = value;
-  const span first = wif_item(&rest), second = wif_item(&rest), third = wif_item(&rest);
+  const span first = shade_wif_item(&rest), second = shade_wif_item(&rest),
+             third = shade_wif_item(&rest);
   const int alone = second.at == second.end;
-  const int low = alone ? 0 : wif_whole(first), high = wif_whole(alone ? first : second);
+  const int low = alone ? 0 : shade_wif_whole(first),
+            high = shade_wif_whole(alone ? first : second);
   if (low < 0 || high <= low || third.at < third.end)
-    return wif_fail(w, w->line, "Range=%s: expected two whole numbers, the lower first",
-                    wif_show(value).text);
+    return shade_wif_fail(w, w->line, "Range=%s: expected two whole numbers, the lower first",
+                          shade_wif_show(value).text);
   w->range[0] = low;
   w->range[1] = high;
   w->has_range = 1;
@@ -137,41 +140,42 @@ static int read_range(wif *w, span value) {
 }
 
 static int read_weaving(wif *w, span key, span value) {
-  if (wif_is_word(key, "SHAFTS"))
+  if (shade_wif_is_word(key, "SHAFTS"))
     return read_count(w, key, value, SHADE_DRAFT_MAX_SIDE, &w->shafts);
-  if (wif_is_word(key, "TREADLES"))
+  if (shade_wif_is_word(key, "TREADLES"))
     return read_count(w, key, value, SHADE_DRAFT_MAX_SIDE, &w->treadles);
-  if (!wif_is_word(key, "RISING SHED"))
+  if (!shade_wif_is_word(key, "RISING SHED"))
     return 0;
-  const int rising = wif_is_yes(value);
+  const int rising = shade_wif_is_yes(value);
   if (rising < 0)
-    return wif_fail(w, w->line, "Rising Shed=%s: expected yes or no", wif_show(value).text);
+    return shade_wif_fail(w, w->line, "Rising Shed=%s: expected yes or no",
+                          shade_wif_show(value).text);
   w->sinking = !rising;
   return 0;
 }
 
 static int read_palette(wif *w, span key, span value) {
-  if (wif_is_word(key, "FORM")) {
-    w->form = wif_is_word(value, "RGB")    ? FORM_RGB
-              : wif_is_word(value, "CMYK") ? FORM_CMYK
-                                           : FORM_OTHER;
+  if (shade_wif_is_word(key, "FORM")) {
+    w->form = shade_wif_is_word(value, "RGB")    ? FORM_RGB
+              : shade_wif_is_word(value, "CMYK") ? FORM_CMYK
+                                                 : FORM_OTHER;
     if (w->form == FORM_OTHER)
-      wif_mend(w, FORM_UNKNOWN, w->line, "Form=%s, neither RGB nor CMYK: colours left out",
-               wif_show(value).text);
+      shade_wif_mend(w, FORM_UNKNOWN, w->line, "Form=%s, neither RGB nor CMYK: colours left out",
+                     shade_wif_show(value).text);
   }
-  return wif_is_word(key, "RANGE") ? read_range(w, value) : 0;
+  return shade_wif_is_word(key, "RANGE") ? read_range(w, value) : 0;
 }
 
 static section find_section(span name) {
   int s = 0;
-  while (s < SECTIONS && !wif_is_word(name, wif_section_names[s]))
+  while (s < SECTIONS && !shade_wif_is_word(name, shade_wif_section_names[s]))
     s++;
   return (section)s;
 }
 
 static void read_contents(wif *w, span key, span value) {
   const section s = find_section(key);
-  const int yes = wif_is_yes(value);
+  const int yes = shade_wif_is_yes(value);
   if (s == SECTIONS || yes < 0)
     return;
   w->announced[s] = yes ? w->line : 0;
@@ -182,22 +186,24 @@ static int read_line(wif *w, section where, span s) {
   const char *equals = memchr(s.at, '=', (size_t)(s.end - s.at));
   if (where == CONTENTS) {
     if (equals)
-      read_contents(w, wif_trim(s.at, equals), wif_value(wif_trim(equals + 1, s.end)));
+      read_contents(w, shade_wif_trim(s.at, equals),
+                    shade_wif_value(shade_wif_trim(equals + 1, s.end)));
     return 0;
   }
   if (!equals) {
     /* a row's number alone */
-    const span alone = wif_value(s);
-    if (where >= ROWS || wif_whole(alone) < 0)
-      return wif_fail(w, w->line, "'%s' in [%s]: expected key=value", wif_show(s).text,
-                      wif_section_names[where]);
-    wif_mend(w, NO_EQUALS, w->line, "'%s' in [%s] without =: an empty row", wif_show(alone).text,
-             wif_section_names[where]);
+    const span alone = shade_wif_value(s);
+    if (where >= ROWS || shade_wif_whole(alone) < 0)
+      return shade_wif_fail(w, w->line, "'%s' in [%s]: expected key=value", shade_wif_show(s).text,
+                            shade_wif_section_names[where]);
+    shade_wif_mend(w, NO_EQUALS, w->line, "'%s' in [%s] without =: an empty row",
+                   shade_wif_show(alone).text, shade_wif_section_names[where]);
     if (where == COLOR_TABLE)
       return 0;
     return read_row(w, where, alone, (span){alone.end, alone.end});
   }
-  const span key = wif_trim(s.at, equals), value = wif_value(wif_trim(equals + 1, s.end));
+  const span key = shade_wif_trim(s.at, equals),
+             value = shade_wif_value(shade_wif_trim(equals + 1, s.end));
   if (where < ROWS)
     return read_row(w, where, key, value);
   if (value.at == value.end)
@@ -216,17 +222,19 @@ static int read_line(wif *w, section where, span s) {
 /* The section that begins here; in *where, which stays as it is in free text. */
 static int read_name(wif *w, span s, section *where) {
   const char *close = memchr(s.at, ']', (size_t)(s.end - s.at));
-  const section found = find_section(wif_trim(s.at + 1, close ? close : s.end));
+  const section found = find_section(shade_wif_trim(s.at + 1, close ? close : s.end));
   if (!close) {
     if (*where == OTHER && found == OTHER)
       return 0;
-    return wif_fail(w, w->line, "'%s': expected ] after the section's name", wif_show(s).text);
+    return shade_wif_fail(w, w->line, "'%s': expected ] after the section's name",
+                          shade_wif_show(s).text);
   }
   *where = found;
   if (found == OTHER)
     return 0;
   if (w->seen[found])
-    wif_mend(w, SECTION_TWICE, w->line, "[%s] once more: read as one", wif_section_names[found]);
+    shade_wif_mend(w, SECTION_TWICE, w->line, "[%s] once more: read as one",
+                   shade_wif_section_names[found]);
   else
     w->seen[found] = w->line;
   return 0;
@@ -240,7 +248,7 @@ static int read_text(wif *w, const char *text, size_t length) {
     while (stop < end && *stop != '\n' && *stop != '\r')
       stop++;
     w->line++;
-    span s = wif_trim(text, stop);
+    span s = shade_wif_trim(text, stop);
     text = stop < end && *stop == '\r' && stop + 1 < end && stop[1] == '\n' ? stop + 2 : stop + 1;
     if (s.at == s.end || *s.at == ';' || *s.at == '#')
       continue;
@@ -264,17 +272,17 @@ shade_draft *shade_wif_parse(const char *text, size_t length, const char *name, 
   snprintf(number, sizeof number, "%.1f", .5);
   w.point = number[1];
   if (length > MAX_FILE) {
-    wif_fail(&w, 0, "too large: expected at most %d bytes", MAX_FILE);
+    shade_wif_fail(&w, 0, "too large: expected at most %d bytes", MAX_FILE);
     return NULL;
   }
   char *made;
-  if (wif_as_bytes(&text, &length, &made) != 0) {
-    wif_fail(&w, 0, "out of memory");
+  if (shade_wif_as_bytes(&text, &length, &made) != 0) {
+    shade_wif_fail(&w, 0, "out of memory");
     return NULL;
   }
-  shade_draft *d = read_text(&w, text, length) == 0 ? wif_draft(&w) : NULL;
+  shade_draft *d = read_text(&w, text, length) == 0 ? shade_wif_draft(&w) : NULL;
   if (d)
-    wif_say_mended(&w);
+    shade_wif_say_mended(&w);
   for (int i = 0; i < ROWS; i++)
     free(w.rows[i].data);
   free(w.pool);

@@ -8,7 +8,7 @@
 
 #include "wif.h"
 
-const char *const wif_section_names[SECTIONS] = {
+const char *const shade_wif_section_names[SECTIONS] = {
     "THREADING",    "TIEUP",          "TREADLING",      "LIFTPLAN",
     "WARP COLORS",  "WEFT COLORS",    "COLOR TABLE",    "WARP SPACING",
     "WEFT SPACING", "WARP THICKNESS", "WEFT THICKNESS", "WEAVING",
@@ -16,7 +16,7 @@ const char *const wif_section_names[SECTIONS] = {
 
 /* --- messages --------------------------------------------------------------------------- */
 
-int wif_fail(const wif *w, long line, const char *format, ...) {
+int shade_wif_fail(const wif *w, long line, const char *format, ...) {
   char text[256];
   va_list args;
   va_start(args, format);
@@ -29,7 +29,7 @@ int wif_fail(const wif *w, long line, const char *format, ...) {
   return -1;
 }
 
-void wif_mend(wif *w, mending kind, long line, const char *format, ...) {
+void shade_wif_mend(wif *w, mending kind, long line, const char *format, ...) {
   mended *m = &w->mended[kind];
   /* rows are looked through section by section, not line by line */
   if (m->count++ && line >= m->line)
@@ -41,7 +41,7 @@ void wif_mend(wif *w, mending kind, long line, const char *format, ...) {
   va_end(args);
 }
 
-void wif_say_mended(const wif *w) {
+void shade_wif_say_mended(const wif *w) {
   size_t used = 0;
   if (w->message_size)
     *w->message = 0;
@@ -82,7 +82,7 @@ static int is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0' || c == '\xa0' || c == '\xc2';
 }
 
-span wif_trim(const char *at, const char *end) {
+span shade_wif_trim(const char *at, const char *end) {
   while (at < end && is_blank(*at))
     at++;
   while (end > at && is_blank(end[-1]))
@@ -94,7 +94,7 @@ static int capital(char c) {
   return c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c;
 }
 
-int wif_is_word(span s, const char *word) {
+int shade_wif_is_word(span s, const char *word) {
   const char *at = word;
   for (; s.at < s.end; s.at++) {
     if (is_blank(*s.at) || *s.at == '-' || *s.at == '_')
@@ -111,28 +111,28 @@ int wif_is_word(span s, const char *word) {
   return !*at && at > word;
 }
 
-int wif_is_yes(span s) {
+int shade_wif_is_yes(span s) {
   static const char *const words[2][6] = {{"NO", "FALSE", "OFF", "0", "N", "F"},
                                           {"YES", "TRUE", "ON", "1", "Y", "T"}};
   for (int yes = 0; yes < 2; yes++)
     for (int i = 0; i < 6; i++)
-      if (wif_is_word(s, words[yes][i]))
+      if (shade_wif_is_word(s, words[yes][i]))
         return yes;
   return -1;
 }
 
-span wif_value(span s) {
+span shade_wif_value(span s) {
   for (const char *c = s.at; c < s.end; c++)
     if (*c == ';' || *c == '#') {
-      s = wif_trim(s.at, c);
+      s = shade_wif_trim(s.at, c);
       break;
     }
   if (s.end - s.at >= 2 && *s.at == '"' && s.end[-1] == '"')
-    s = wif_trim(s.at + 1, s.end - 1);
+    s = shade_wif_trim(s.at + 1, s.end - 1);
   return s;
 }
 
-shown wif_show(span s) {
+shown shade_wif_show(span s) {
   shown t;
   size_t n = 0;
   for (; s.at < s.end && n < 40; s.at++)
@@ -145,7 +145,7 @@ shown wif_show(span s) {
 
 /* --- numbers ---------------------------------------------------------------------------- */
 
-span wif_item(span *s) {
+span shade_wif_item(span *s) {
   while (s->at < s->end && (*s->at == ',' || is_blank(*s->at)))
     s->at++;
   span item = {s->at, s->at};
@@ -155,7 +155,7 @@ span wif_item(span *s) {
   return item;
 }
 
-int wif_whole(span s) {
+int shade_wif_whole(span s) {
   int value = 0;
   if (s.at < s.end && *s.at == '+')
     s.at++;
@@ -172,7 +172,7 @@ int wif_whole(span s) {
   return s.at == s.end ? value : -1;
 }
 
-double wif_unit(span s) {
+double shade_wif_unit(span s) {
   static const struct {
     const char *word;
     double cm;
@@ -191,12 +191,12 @@ double wif_unit(span s) {
                {"DECIPOINTS", 2.54 / 720},
                {"DECIPOINT", 2.54 / 720}};
   for (size_t i = 0; i < sizeof units / sizeof units[0]; i++)
-    if (wif_is_word(s, units[i].word))
+    if (shade_wif_is_word(s, units[i].word))
       return units[i].cm;
   return 0;
 }
 
-int wif_length(const wif *w, span s, length *to) {
+int shade_wif_length(const wif *w, span s, length *to) {
   char text[64];
   size_t n = 0;
   /* no words such as "nan", no hexadecimal */
@@ -210,8 +210,8 @@ int wif_length(const wif *w, span s, length *to) {
   to->value = strtod(text, &end);
   if (!n || *end || !(to->value >= 0 && to->value <= 1e6))
     return -1;
-  s = wif_trim(s.at, s.end);
-  to->unit = wif_unit(s);
+  s = shade_wif_trim(s.at, s.end);
+  to->unit = shade_wif_unit(s);
   return s.at < s.end && to->unit <= 0 ? -1 : 0;
 }
 
@@ -228,7 +228,7 @@ static char *narrow(const char *text, size_t length, size_t big, size_t *narrowe
   return to;
 }
 
-int wif_as_bytes(const char **text, size_t *length, char **made) {
+int shade_wif_as_bytes(const char **text, size_t *length, char **made) {
   const char *at = *text;
   const size_t n = *length;
   *made = NULL;

@@ -79,7 +79,7 @@ static void every_lobe(void **state) {
   double worst = 0;
   int turn = 0;
   for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++)
-    for (int brdf = 0; brdf < SHADE_BRDF_COUNT; brdf++)
+    for (int brdf = 0; brdf < SHADE_BRDF_AUTO; brdf++)
       for (int fresnel = 0; fresnel < SHADE_FRESNEL_COUNT; fresnel++, turn++) {
         if ((mdf + brdf + fresnel) % EVERY)
           continue;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* COST = 0.1 */
 /*
- * Prepared hits give what shade_bsdf_eval gives, to the last bit and status, for every choice of
- * the table: of many hits prepared before the first light, copies too, with lights in any order,
- * directions of any length, downward and not finite. (That shade_bsdf_eval is right is for
- * test_bsdf, test_horizon and test_hostile.)
+ * Prepared hits give what shade_bsdf_eval, _pdf and _sample give, to the last bit and status, for
+ * every choice of the table: of many hits prepared before the first light, copies too, with lights
+ * in any order, directions of any length, downward and not finite. (That those are right is for
+ * test_bsdf, test_horizon, test_pdf, test_sample and test_hostile.)
  */
 #include <string.h>
 
@@ -13,8 +13,8 @@
 enum { HITS = 6, LIGHTS = 6 };
 
 typedef struct directions {
-  double n[HITS][3], wo[HITS][3], wi[LIGHTS][3];
-  float nf[HITS][3], wof[HITS][3], wif[LIGHTS][3];
+  double n[HITS][3], wo[HITS][3], wi[LIGHTS][3], u[LIGHTS][2];
+  float nf[HITS][3], wof[HITS][3], wif[LIGHTS][3], uf[LIGHTS][2];
 } directions;
 
 static void make(uint64_t *seed, directions *d) {
@@ -35,6 +35,12 @@ static void make(uint64_t *seed, directions *d) {
     d->wi[4][1] = INFINITY;
   if (uniform(seed) < 0.1)
     d->n[5][0] = d->n[5][1] = d->n[5][2] = 0;
+  for (int i = 0; i < LIGHTS; i++)
+    for (int k = 0; k < 2; k++)
+      d->u[i][k] = i == 4 && uniform(seed) < 0.1 ? NAN : 1.1 * uniform(seed);
+  for (int i = 0; i < LIGHTS; i++)
+    for (int k = 0; k < 2; k++)
+      d->uf[i][k] = (float)d->u[i][k];
   for (int i = 0; i < HITS; i++)
     for (int k = 0; k < 3; k++) {
       d->nf[i][k] = (float)d->n[i][k];
@@ -43,12 +49,33 @@ static void make(uint64_t *seed, directions *d) {
     }
 }
 
-static void compare(const shade_bsdf *b, const directions *d) {
+/* Density and draw of one hit beside those of its n and wo. Returns whether something was drawn. */
+#define DRAWS(real, f)                                                                             \
+  static int compare_draws##f(const shade_bsdf *b, const shade_bsdf_hit##f *hit, const real *n,    \
+                              const real *wo, const real *wi, const real *u) {                     \
+    unsigned is = SHADE_CLAMPED_PARAMETER, was = SHADE_CLAMPED_PARAMETER;                          \
+    const real pdf[2] = {shade_bsdf_hit_pdf##f(b, hit, wi, &is),                                   \
+                         shade_bsdf_pdf##f(b, n, wi, wo, &was)};                                   \
+    real got[8] = {0}, want[8] = {0};                                                              \
+    assert_int_equal(is, was);                                                                     \
+    assert_memory_equal(&pdf[0], &pdf[1], sizeof pdf[0]);                                          \
+    assert_true(shade_bsdf_hit_pdf##f(b, hit, wi, NULL) == pdf[0]);                                \
+    is = shade_bsdf_hit_sample##f(b, hit, u, got, got + 3, &got[6], &got[7]);                      \
+    was = shade_bsdf_sample##f(b, n, wo, u, want, want + 3, &want[6], &want[7]);                   \
+    assert_int_equal(is, was);                                                                     \
+    assert_memory_equal(got, want, sizeof got);                                                    \
+    return got[6] > 0;                                                                             \
+  }
+DRAWS(double, )
+DRAWS(float, f)
+
+static int compare(const shade_bsdf *b, const directions *d) {
   shade_bsdf_hit hit[HITS], copy;
   shade_bsdf_hitf hitf[HITS], copyf;
   memset(hit, 0xff, sizeof hit); /* NaN: what is read must have been written */
   memset(hitf, 0xff, sizeof hitf);
   unsigned mended[HITS], mendedf[HITS];
+  int drawn = 0;
   for (int i = 0; i < HITS; i++) {
     mended[i] = shade_bsdf_prepare(b, d->n[i], d->wo[i], &hit[i]);
     mendedf[i] = shade_bsdf_preparef(b, d->nf[i], d->wof[i], &hitf[i]);
@@ -70,15 +97,19 @@ static void compare(const shade_bsdf *b, const directions *d) {
       assert_int_equal(isf, wasf);
       assert_int_equal(mendedf[i] & ~wasf, 0);
       assert_memory_equal(gotf, wantf, sizeof gotf);
+      drawn += compare_draws(b, &copy, d->n[i], d->wo[i], d->wi[light], d->u[light]);
+      drawn += compare_drawsf(b, &copyf, d->nf[i], d->wof[i], d->wif[light], d->uf[light]);
     }
+  return drawn;
 }
 
 static void every_choice(void **state) {
   uint64_t seed = 11;
   directions d;
+  int cases = 0, drawn = 0;
   (void)state;
   for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++)
-    for (int brdf = 0; brdf < SHADE_BRDF_COUNT; brdf++)
+    for (int brdf = 0; brdf < SHADE_BRDF_AUTO; brdf++)
       for (int detail = 0; detail < SHADE_DETAIL_COUNT; detail++)
         for (int horizon = 0; horizon < SHADE_HORIZON_COUNT; horizon++) {
           const int other = mdf + brdf + detail + horizon; /* the others take turns */
@@ -97,8 +128,10 @@ static void every_choice(void **state) {
             p.kd[c] = other % 3 ? uniform(&seed) : 0;
           shade_bsdf_setup(&b, &p);
           make(&seed, &d);
-          compare(&b, &d);
+          drawn += compare(&b, &d);
+          cases++;
         }
+  assert_true(drawn > 30 * cases);
 }
 
 /* As from shade_bsdf_eval: the cosine may be left out. */
@@ -116,6 +149,13 @@ static void cosine_is_optional(void **state) {
   assert_int_equal(shade_bsdf_hit_eval(&b, &hit, wi, f, NULL), SHADE_OK);
   assert_int_equal(shade_bsdf_hit_evalf(&b, &hitf, wif, ff, NULL), SHADE_OK);
   assert_true(f[0] > 0 && ff[0] > 0);
+  const double u[2] = {0.3, 0.6};
+  const float uf[2] = {0.3f, 0.6f};
+  double w[3], pdf = 0;
+  float wf[3], pdff = 0;
+  assert_int_equal(shade_bsdf_hit_sample(&b, &hit, u, w, f, &pdf, NULL), SHADE_OK);
+  assert_int_equal(shade_bsdf_hit_samplef(&b, &hitf, uf, wf, ff, &pdff, NULL), SHADE_OK);
+  assert_true(pdf > 0 && pdff > 0);
 }
 
 /* A lobe whose f0 is black in one, two or all channels, beside batches, which work it out: what is

@@ -386,7 +386,7 @@ static void distributions_and_brdfs(void **state) {
                 carry(&b, &w, form, single, value);
                 judge(&b, &p, widths[k], form, 0, value);
               }
-              for (int brdf = 0; brdf < SHADE_BRDF_COUNT; brdf++)
+              for (int brdf = 0; brdf < SHADE_BRDF_AUTO; brdf++)
                 for (int h = 0; h < 2; h++) {
                   int other = 1 + (turn + brdf) % (SHADE_HORIZON_COUNT - 1);
                   b = made(mdf, detail, brdf, h ? other : SHADE_HORIZON_HARD, lobe);

@@ -134,10 +134,28 @@ def test_smith_by_hand(precision):
     li = math.sqrt(1 + (0.2 * 0.6 / 0.8) ** 2)
     lo = math.sqrt(1 + (0.5 * 0.28 / 0.96) ** 2)
     (got,) = evaluate([(0, 0, 1) + wi + wo], "--mdf", "ggx", "--ax", "0.2", "--ay", "0.5",
-                      "--detail", "none", "--what", "f", "--brdf", "microfacet",
-                      "--precision", precision)
+                      "--detail", "none", "--what", "f", "--precision", precision)  # brdf auto: its own
     want = by_hand("ggx", *h, 0.2, 0.5) * 2 / (li + lo) / (4 * 0.8 * 0.96)
     assert got == pytest.approx(want, rel=PRECISIONS[precision])
+
+
+@pytest.mark.parametrize("precision", ["double", "reference"])
+def test_defaults_by_version(precision):
+    """The BRDF that goes with Ward's distribution, and that of version 0, wherever the version stands."""
+    wi, wo = (0, math.sin(0.7), math.cos(0.7)), (0, math.sin(0.1), math.cos(0.1))
+
+    def ratio(*options):
+        got = evaluate([(0, 0, 1) + wi + wo], "--mdf", "ward", "--ax", "0.2", "--ay", "0.5", "--detail", "none",
+                       "--what", "f", "--precision", precision, *options)[0]
+        return got / by_hand("ward", 0, math.sin(0.4), math.cos(0.4), 0.2, 0.5)
+    bounded = 4 * math.cos(0.3) ** 2 / (math.cos(0.7) + math.cos(0.1)) ** 4
+    assert ratio() == pytest.approx(bounded) and ratio("--defaults", "1") == pytest.approx(bounded)
+    assert ratio("--defaults", "0") == pytest.approx(1 / (4 * math.cos(0.3) * math.cos(0.1)))
+    dur = 1 / (4 * math.cos(0.7) * math.cos(0.1))
+    assert ratio("--brdf", "ward-dur", "--defaults", "0") == pytest.approx(dur)
+    for bad in ("2", "-1", "new"):
+        result = run("", "--defaults", bad)
+        assert result.returncode == 2 and f"--defaults '{bad}': expected a whole number from 0 to 1" in result.stderr
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)

@@ -43,7 +43,7 @@ static void make(fabric_side *side, shade_mdf mdf, double along, double across,
   yarn.along = along;
   yarn.across = across;
   *side = (fabric_side){.tx = 0};
-  fabric_set_side(side, &p, &yarn, looks, LOOKS, &status);
+  shade_fabric_set_side(side, &p, &yarn, looks, LOOKS, &status);
   assert_int_equal(status, SHADE_OK);
 }
 
@@ -90,7 +90,7 @@ static void nodes_keep_mean_and_variance(void **state) {
       }
     }
     assert_true(side.coarse.count <= side.nodes.count && side.nodes.count > 1);
-    fabric_table_free(side.table);
+    shade_fabric_table_free(side.table);
   }
 }
 
@@ -114,7 +114,7 @@ static void steep_tilts_are_arcs(void **state) {
     make(&side, SHADE_MDF_WARD, 40, 40, looks);
     assert_near(side.spread[axis] / (arc[2] * arc[2] / 4), 1, .01);
     assert_near(side.spread[!axis], 0, 1e-9);
-    fabric_table_free(side.table);
+    shade_fabric_table_free(side.table);
   }
 }
 
@@ -172,7 +172,7 @@ static void one_lobe_has_the_moments_of_all(void **state) {
                   one[1]);
     for (int axis = 0; axis < 2; axis++)
       assert_near(one[axis] / all[axis], 1, .005);
-    fabric_table_free(side.table);
+    shade_fabric_table_free(side.table);
   }
 }
 

@@ -18,7 +18,7 @@ static const shade_bsdf *far_lobe(const fabric_side *side) {
 static fabric_table *table_of(const fabric_side *side) {
   const fabric_nodes *n = &side->nodes;
   const fabric_lobes lobes = {far_lobe(side), (size_t)n->count, {n->x, n->y, n->z}, n->weight};
-  return fabric_table_create(&lobes, &lobes);
+  return shade_fabric_table_create(&lobes, &lobes);
 }
 
 /* Light and eye, evenly by angle and azimuth, to `most` degrees. */
@@ -134,7 +134,7 @@ static void against_lobes(void **state) {
           apart = fmax(apart, fabs((double)mattf[i] - matt[i]) / (matt[i] + 0.01));
         }
       }
-      fabric_table_free(t);
+      shade_fabric_table_free(t);
     }
     free_cloth(&cl);
   }
@@ -181,7 +181,7 @@ static void energy(void **state) {
         worst[0] = fmax(worst[0], fabs(sum[2] - sum[0]));
         worst[1] = fmax(worst[1], fabs(sum[3] - sum[1]));
       }
-      fabric_table_free(t);
+      shade_fabric_table_free(t);
     }
     free_cloth(&cl);
   }
@@ -241,8 +241,8 @@ static void awkward(void **state) {
                     isfinite(spec[i]) && isfinite(specf[i]) && matt[i] < 1 && mattf[i] < 1);
     }
   }
-  fabric_table_free(t);
-  fabric_table_free(NULL);
+  shade_fabric_table_free(t);
+  shade_fabric_table_free(NULL);
   free_cloth(&cl);
 }
 
@@ -262,9 +262,9 @@ static void refusals(void **state) {
                          : SHADE_DIFFUSE_FIBRE;
     shade_bsdf_setup(&b, &p);
     const fabric_lobes one = {&b, 1, {&x, &x, &z}, &weight};
-    fabric_table *t = fabric_table_create(&one, &one);
+    fabric_table *t = shade_fabric_table_create(&one, &one);
     assert_true(k ? !t : !!t);
-    fabric_table_free(t);
+    shade_fabric_table_free(t);
   }
 }
 

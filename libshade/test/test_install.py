@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make install`: what it puts where, that Python finds what is for it, that the programs of docs/library.md compile against it, manual pages."""
+"""`make install`: what it puts where, that Python finds what is for it, that the programs of docs/library.md compile against it by its commands, the interface, manual pages."""
 import math
 import os
 import pathlib
@@ -10,7 +10,7 @@ import sys
 
 import pytest
 
-COST = 3.9
+COST = 6
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))
@@ -39,6 +39,7 @@ def version():
 def expected(lib, man="share/man"):
     short = version().rsplit(".", 1)[0]
     return ({"bin/shade", "libexec/shade/shade_image_oiio.so", f"{lib}/pkgconfig/libshade.pc"}
+            | {f"{lib}/cmake/libshade/libshadeConfig{end}.cmake" for end in ("", "Version")}
             | ({"bin/shade-render"} if (ROOT / "build/shade-render").exists() else set())
             | {f"{lib}/libshade.{end}" for end in ("a", "so", f"so.{short}", f"so.{version()}")}
             | {f"include/shade/{header.name}" for header in HEADERS}
@@ -61,7 +62,8 @@ def test_files(prefix):
             mode = 0o755 if path.is_dir() or path.parent.name == "bin" else 0o644
             assert path.stat().st_mode & 0o777 == mode, path
     # what was installed needs nothing of the place where it was built
-    assert str(ROOT) not in (prefix / "lib/pkgconfig/libshade.pc").read_text()
+    for path in ("pkgconfig/libshade.pc", "cmake/libshade/libshadeConfig.cmake"):
+        assert str(ROOT) not in (prefix / "lib" / path).read_text()
     assert run(prefix / "bin/shade", "--version").startswith(f"shade {version()} (")
 
 
@@ -126,10 +128,12 @@ def test_exports(prefix):
     """The shared library offers the functions of the headers and not one symbol more."""
     library = prefix / "lib" / f"libshade.so.{version()}"
     lines = run("nm", "-D", "--defined-only", library).splitlines()
-    assert {line.split()[-1] for line in lines} == declared()
+    short = version().rsplit(".", 1)[0]
+    node, *names = sorted(line.split()[-1] for line in lines)
+    assert node == f"LIBSHADE_{short}" and names == sorted(f"{name}@@{node}" for name in declared())
     assert len(declared()) > 20
     dynamic = run("readelf", "-d", library)
-    assert f"[libshade.so.{version().rsplit('.', 1)[0]}]" in dynamic and "TEXTREL" not in dynamic
+    assert f"[libshade.so.{short}]" in dynamic and "TEXTREL" not in dynamic
     needed = set(re.findall(r"NEEDED.*\[(.*)\]", dynamic))
     assert all(name.startswith(("libm.", "libc.")) for name in needed), needed
 
@@ -139,19 +143,28 @@ def programs(section):
     return re.findall(r"^```c\n(.*?)^```$", text, flags=re.S | re.M)
 
 
+def blocks(kind):
+    """What the page prints of that kind about building."""
+    text = (ROOT / "docs/library.md").read_text().split("\n## Building against it")[1]
+    return re.findall(rf"^```{kind}\n(.*?)^```$", text, flags=re.S | re.M)
+
+
+LINKINGS = ("shared", "static", "c++", "cmake", "go")
+
+
 def run_program(source, prefix, folder, linking):
-    """Compiles a program of docs/library.md against what is installed, without a warning; what it prints."""
+    """Compiles a program of docs/library.md against what is installed, by its own command, without a warning; what it prints."""
     (folder / "program.c").write_text(source)
-    pc = dict(PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"))
-    options = ["--static"] if linking == "static" else []
-    flags = run("pkg-config", *options, "--cflags", "--libs", "libshade", **pc).split()
-    assert run("pkg-config", "--modversion", "libshade", **pc).strip() == version()
-    warnings = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
-    # C++17, so without C's designated initialisers and enumerations as integers
-    compiler = ["g++", "-std=c++17", "-x", "c++"] if linking == "c++" else ["cc", "-std=c11"]
-    run(*compiler, *warnings, folder / "program.c", "-x", "none", "-o", folder / "program",
-        *(["-static"] if linking == "static" else []), *flags, "-lm")
-    return run(folder / "program", LD_LIBRARY_PATH=str(prefix / "lib")).split()
+    environment = dict(PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"), LD_LIBRARY_PATH=str(prefix / "lib"), PREFIX=str(prefix),
+                       CFLAGS="-std=c11 -Wall -Wextra -Wconversion -Werror")
+    assert run("pkg-config", "--modversion", "libshade", **environment).strip() == version()
+    command = blocks("sh")[LINKINGS.index(linking)]
+    if linking != "cmake":
+        # C++17, so without C's designated initialisers and enumerations as integers
+        warnings = environment["CFLAGS"].replace("c11", "c++17" if linking == "c++" else "c11")
+        command = re.sub(r"^(cc|c\+\+) ", rf"\1 {warnings} ", command)
+    run("sh", "-ec", f"cd {folder}\n{command}", **environment)
+    return run(folder / ("made/program" if linking == "cmake" else "program"), **environment).split()
 
 
 def brdf_at(half):
@@ -177,6 +190,62 @@ def test_library_page_programs(prefix, tmp_path, which, linking):
     close = 1e-8 if which == 0 else 2e-5
     assert float(out[0]) == pytest.approx(brdf_at(half), rel=close)
     assert float(out[1]) == pytest.approx(1, abs=1e-6) and out[2] == "0"
+
+
+def test_cmake_package(prefix, tmp_path):
+    """What the page prints, of a tree that was moved; a minor release beside is refused."""
+    if not shutil.which("cmake"):
+        pytest.skip("no cmake here (in setup/packages-test.txt)")
+    moved = tmp_path / "moved"
+    shutil.copytree(prefix, moved, symlinks=True)
+    text, = blocks("cmake")
+    (tmp_path / "CMakeLists.txt").write_text(text)
+    out = run_program(programs(0)[0], moved, tmp_path, "cmake")
+    assert out == run_program(programs(0)[0], prefix, tmp_path, "shared")
+    assert str(moved / "lib") in run("readelf", "-d", tmp_path / "made/program")
+    # the other library, and what the page's versions are good for
+    (tmp_path / "CMakeLists.txt").write_text(text.replace("libshade::libshade m", "libshade::static"))
+    assert run_program(programs(0)[0], moved, tmp_path, "cmake") == out
+    assert "libshade" not in run("readelf", "-d", tmp_path / "made/program")
+    major, minor, _ = version().split(".")
+    for asked, fits in ((f"{major}.{minor}", 1), (version(), 1), (f"{major}.{int(minor) + 1}", 0), (f"{major}.{minor}.99", 0)):
+        (tmp_path / "asked.cmake").write_text(f"set(PACKAGE_FIND_VERSION {asked})\n" + "".join(
+            f"set(PACKAGE_FIND_VERSION_{part} {n})\n" for part, n in zip(("MAJOR", "MINOR"), asked.split("."))) + (
+            f"include({moved}/lib/cmake/libshade/libshadeConfigVersion.cmake)\n"
+            "if(PACKAGE_VERSION_COMPATIBLE)\nmessage(FATAL_ERROR fits)\nendif()\n"))
+        words = ["cmake", "-P", str(tmp_path / "asked.cmake")]
+        assert ("fits" in subprocess.run(words, capture_output=True, text=True).stderr) == fits, asked
+
+
+def test_go_by_cgo(prefix, tmp_path):
+    """The page's program of Go prints what that of C does."""
+    go = shutil.which("go") or next(map(str, sorted(pathlib.Path("/usr/bin").glob("go-[0-9]*"))), None)
+    if not go:
+        pytest.skip("no Go here (gccgo has one)")
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin/go").symlink_to(go)
+    (tmp_path / "program.go").write_text(blocks("go")[0])
+    source = programs(0)[0]
+    folder = tmp_path / "c"
+    folder.mkdir()
+    want = run_program(source, prefix, folder, "shared")
+    run("sh", "-ec", f"cd {tmp_path}\n{blocks('sh')[LINKINGS.index('go')]}", HOME=str(tmp_path), GOCACHE=str(tmp_path / "cache"),
+        GO111MODULE="off", PATH=f"{tmp_path}/bin:{os.environ['PATH']}", PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"))
+    assert run(tmp_path / "program", LD_LIBRARY_PATH=str(prefix / "lib")).split() == want
+
+
+def test_interface(tmp_path):
+    """The text of the interface is that of the library: what was meant to change is written by `make abi`."""
+    if not shutil.which("abidiff"):
+        pytest.skip("no abidiff here (abigail-tools, in setup/packages-test.txt)")
+    kept, now = ROOT / "libshade/abi/libshade.abi", tmp_path / "now.abi"
+    run("make", "abi", f"ABI={now}", "NEEDS=")
+    run("abidiff", kept, now)
+    # it would be seen
+    swapped = re.sub(r"'SHADE_BRDF_WARD_(1992|DUR)'", lambda name: "'SHADE_BRDF_WARD_%s'" % {"1992": "DUR", "DUR": "1992"}[name[1]],
+                     now.read_text())
+    now.write_text(swapped)
+    assert subprocess.run(["abidiff", kept, now], capture_output=True).returncode
 
 
 def answers(command, queries):

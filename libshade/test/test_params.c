@@ -164,7 +164,7 @@ static void by_row(void **state) {
     int initial, older;
   } lists[] = {
       {SHADE_LIST_MDF, "mdf", &p.mdf, 0, 0},
-      {SHADE_LIST_BRDF, "brdf", &p.brdf, 0, 0},
+      {SHADE_LIST_BRDF, "brdf", &p.brdf, SHADE_BRDF_AUTO, 0},
       {SHADE_LIST_DETAIL, "detail", &p.detail, SHADE_DETAIL_ROTATE, SHADE_DETAIL_ROTATE},
       {SHADE_LIST_GROOVE, "groove", &p.groove, 0, 0},
       {SHADE_LIST_FRESNEL, "fresnel", &p.fresnel, SHADE_FRESNEL_SCHLICK, SHADE_FRESNEL_SCHLICK},
@@ -312,7 +312,7 @@ static void json(void **state) {
   assert_int_equal(length, (int)strlen(text));
   assert_string_equal(
       text, "{\"id\": 3, \"name\": \"a \\\"b\\\"\\\\\\u000a\", \"mdf\": \"ashikhmin_shirley\", "
-            "\"brdf\": \"ashikhmin_shirley\", \"detail\": \"rotate\", \"groove\": \"auto\", "
+            "\"brdf\": \"auto\", \"detail\": \"rotate\", \"groove\": \"auto\", "
             "\"fresnel\": \"schlick\", \"diffuse\": \"lambert\", \"horizon\": "
             "\"valid_estevez\", \"ex\": 198, \"ey\": 6, \"ax\": "
             "0.10000000000000001, "

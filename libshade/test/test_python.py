@@ -133,7 +133,7 @@ MATERIALS = [
      "horizon": "valid_estevez"},
     {"mdf": "ggx", "ax": 0.15, "ay": 0.4, "brdf": "microfacet", "detail": "gram_schmidt", "fresnel": "f82",
      "f0": (0.9, 0.5, 0.2), "f82": (0.8, 0.7, 0.6), "horizon": "schuessler"},
-    {"mdf": "beckmann", "ax": 0.4, "ay": 0.2, "brdf": "microfacet", "groove": "y", "fresnel": "conductor",
+    {"mdf": "beckmann", "ax": 0.4, "ay": 0.2, "groove": "y", "fresnel": "conductor",
      "eta": (1.5, 1.0, 0.6), "k": (7.0, 6.0, 5.0), "horizon": "hard"}]
 
 
@@ -220,6 +220,21 @@ def test_materials():
     assert material.detail == "rotate" and material.ax == 0.2
     assert shade.D(pickle.loads(pickle.dumps(other)), N, WI).tolist() == shade.D(other, N, WI).tolist()
     assert eval(repr(other)).json() == other.json() and other.json(7, "it")["name"] == "it"
+    # the version of the defaults: of what is not said, of a preset too, and not of what is
+    assert material.brdf == "auto" and shade.Material(preset="brushed_steel").brdf == "auto"
+    older = shade.Material(mdf="ggx", defaults=0)
+    assert older.brdf == "ashikhmin_shirley" and eval(repr(older)).json() == older.json()
+    assert shade.Material(preset="brushed_steel", defaults=0).brdf == "ashikhmin_shirley"
+    assert shade.Material(defaults=0, brdf="ward-dur").brdf == "ward_dur" and shade.Material(defaults=1).brdf == "auto"
+    flat = (np.array((0, 0, 1.0)), WI, WO)
+    truths = [tool("f", {"mdf": "ggx", "defaults": version, "horizon": "valid_estevez", "f0": 1}, *(np.tile(v, (COUNT, 1))
+              if v.ndim < 2 else v for v in flat)) for version in (0, 1)]
+    assert shade.eval(older, *flat).f[:, :1] == pytest.approx(truths[0]) != pytest.approx(truths[1])
+    assert shade.eval(older.replace(brdf="auto"), *flat).f[:, :1] == pytest.approx(truths[1])
+    # what an older version pickled is shorter
+    ours, (params,) = older.replace(brdf="auto").__reduce__()
+    size = len(params) - 8
+    assert ours(size.to_bytes(8, sys.byteorder) + params[8:size]).json()["brdf"] == "ashikhmin_shirley"
     gold = shade.Material(metal="gold")
     assert gold.fresnel == "conductor" and gold.k == shade.metals()["gold"].k
     assert shade.Material(preset="brushed_steel").ex > 100
@@ -241,6 +256,8 @@ def test_materials():
     ({"roughness": ("maya", 1, 0)}, ValueError, "roughness: 'maya' given; expected one of blender_principled"),
     ({"roughness": 0.5}, ValueError, "roughness: 0.5 given"),
     ({"preset": "denim"}, ValueError, "preset: 'denim' given"),
+    ({"defaults": 2}, ValueError, "defaults: 2 given; expected a whole number from 0 to 1"),
+    ({"defaults": True}, ValueError, "defaults: True given"),
     ({"metal": "cheese"}, ValueError, "metal: 'cheese' given; expected one of silver"),
     ({"shine": 1}, TypeError, "'shine': no such parameter; there are preset, metal")])
 def test_bad_parameters(values, error, says):
@@ -333,6 +350,10 @@ def test_cloth_parameters():
                                  occlusion="none") for kd in (0.8, 0.2))
     seen = [cloth.eval([0.4, 0.4], [0, 0, 1.0], [0, 0, 1.0])[0] for cloth in (bright, dark)]
     assert seen[0] / seen[1] == pytest.approx(4)
+    plain, own, older = (shade.fabric(mdf="ggx", **given).eval([0.4, 0.4], [0.6, 0, 0.8], [0, 0, 1.0]).tolist()
+                         for given in ({}, {"brdf": "microfacet"}, {"defaults": 0}))
+    assert plain == own != older == shade.fabric(mdf="ggx", brdf="ashikhmin_shirley").eval(
+        [0.4, 0.4], [0.6, 0, 0.8], [0, 0, 1.0]).tolist()
     varied = bright.eval([0.4, 0.4], [0, 0, 1.0], [0, 0, 1.0], warp_kd=0.2 * np.ones(3), weft_kd=(0.2, 0.2, 0.2))
     assert varied[0] == pytest.approx(seen[1])
     for given, error, says in (
@@ -346,6 +367,7 @@ def test_cloth_parameters():
             ({"draft": [1, 0]}, ValueError, r"draft: shape \(2,\) given"),
             ({"preset": "brushed_steel"}, ValueError, "preset: 'brushed_steel' given"),
             ({"weave": "plain", "pattern": (1, 1, 1)}, TypeError, "one of weave, pattern"),
+            ({"defaults": -1}, ValueError, "defaults: -1 given"),
             ({"shine": 1}, TypeError, "'shine': no such parameter")):
         with pytest.raises(error, match=says):
             shade.fabric(**given)

@@ -365,7 +365,7 @@ static void the_table_is_made_of_points(void **state) {
     shade_scratch_field *f = create(&p);
     const shade_isa_table *isa;
     for (int row = 0; (isa = shade_isa_pick(row)); row++) {
-      assert_int_equal(scratch_make_table(f, cells[a % SHAPES], isa), 0);
+      assert_int_equal(shade_scratch_make_table(f, cells[a % SHAPES], isa), 0);
       const moment_level *l = &f->table.level[0];
       const int n = f->columns, rows = f->rows, count = n * rows;
       assert_int_equal(l->width > l->height ? l->width : l->height, cells[a % SHAPES]);
@@ -398,7 +398,7 @@ static void the_table_is_made_of_points(void **state) {
           bad |= !(fabs((double)texel[c] - want[c]) <= 2e-4 * size[c]);
         off += bad;
       }
-      moments_free(&f->table);
+      shade_moments_free(&f->table);
       /* single precision sees a sample at a pit's very rim on its other side */
       print_message("aspect %g, %s: %d of %d cells differ, %d samples in pits\n", p.aspect,
                     isa->name, off, l->width * l->height, covered);

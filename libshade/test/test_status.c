@@ -437,6 +437,130 @@ static void parameters_without_a_size(void **state) {
   }
 }
 
+/* The same of what is not made ready: nothing is set, nothing written. */
+static void structures_without_a_size(void **state) {
+  (void)state;
+  const unsigned want = SHADE_BAD_INPUT;
+  static shade_params p, p_before; /* zeros */
+  double roughness = 0, anisotropy = 0;
+  int turned = 0;
+  for (p.size = 0; p.size < sizeof(size_t); p.size++) {
+    p_before = p;
+    assert_int_equal(shade_params_set_exponents(&p, 20, 30), want);
+    assert_int_equal(shade_params_set_alphas(&p, 0.2, 0.3), want);
+    assert_int_equal(shade_params_set_roughness(&p, SHADE_ROUGHNESS_GLTF, 0.2, 0.3), want);
+    assert_int_equal(shade_params_set_choice(&p, SHADE_LIST_MDF, SHADE_MDF_GGX), want);
+    assert_int_equal(shade_params_set(&p, shade_param_find("ax"), &roughness), want);
+    assert_false(shade_params_set_metal(&p, "gold"));
+    assert_memory_equal(&p, &p_before, sizeof p);
+    assert_true(
+        shade_params_get_roughness(&p, SHADE_ROUGHNESS_GLTF, &roughness, &anisotropy, &turned) &
+        want);
+    assert_true(roughness > 0);
+  }
+  static shade_weave_params yarns;
+  static const shade_weave_params zeros;
+  shade_draft *draft = shade_draft_named("plain");
+  draft->warp->thickness = draft->weft->thickness = draft->warp->spacing = draft->weft->spacing =
+      0.1;
+  assert_int_equal(shade_weave_params_set_twist(&yarns, SHADE_TOP_WARP, 'S', 0.5, 2, 0), want);
+  assert_false(shade_weave_params_from_draft(&yarns, draft));
+  assert_memory_equal(&yarns, &zeros, sizeof yarns);
+  shade_weave_params_init(&yarns);
+  assert_true(shade_weave_params_from_draft(&yarns, draft));
+  shade_draft_free(draft);
+
+  /* batches, of structures that are not there, too */
+  shade_bsdf b = make_bsdf(SHADE_DETAIL_ROTATE, SHADE_GROOVE_AUTO, 200, 10);
+  static const shade_lanes lanes;
+  static const shade_lanesf lanesf;
+  static const shade_result result;
+  static const shade_sample_lanes draws;
+  static const shade_sample_result drawn;
+  static const shade_fabric_lanes cloth;
+  static const shade_fabric_result seen;
+  static const shade_albedo_lanesf below;
+  static const shade_albedo_resultf albedos;
+  static const shade_crossings crossings;
+  static shade_fabric_point nowhere, here;
+  static shade_fabric_pointf nowheref;
+  shade_bsdf out;
+  double pdf = -7, s[2][3];
+  shade_bsdf_albedo *albedo = shade_bsdf_albedo_create(NULL, NULL);
+  shade_preset preset;
+  assert_true(shade_preset_find("denim", &preset));
+  shade_weave *weave;
+  shade_fabric *f = shade_preset_fabric(&preset, &weave, NULL);
+  for (int there = 0; there < 2; there++) {
+    assert_int_equal(shade_bsdf_eval_batch(&b, 1, there ? &lanes : NULL, there ? &result : NULL),
+                     want);
+    assert_int_equal(shade_bsdf_pdf_batch(&b, 1, there ? &lanes : NULL, &pdf), want);
+    assert_int_equal(shade_bsdf_sample_batch(&b, 1, there ? &draws : NULL, there ? &drawn : NULL),
+                     want);
+    assert_int_equal(shade_bsdf_vary(&b, there ? &lanes : NULL, 0, &out), want);
+    assert_int_equal(shade_bsdf_varyf(&b, there ? &lanesf : NULL, 0, &out), want);
+    assert_int_equal(
+        shade_bsdf_albedo_batchf(albedo, 1, there ? &below : NULL, there ? &albedos : NULL), want);
+    assert_int_equal(
+        shade_fabric_eval_batch(f, 1, there ? &cloth : NULL, SHADE_TIER_AUTO, there ? &seen : NULL),
+        want);
+    assert_int_equal(shade_fabric_sample_batch(f, 1, there ? &cloth : NULL, SHADE_TIER_AUTO,
+                                               there ? &seen : NULL),
+                     want);
+    assert_int_equal(
+        shade_fabric_prepare_batch(f, 1, there ? &cloth : NULL, SHADE_TIER_AUTO, s, NULL), want);
+    assert_int_equal(shade_weave_lookup_batch(weave, 1, &pdf, &pdf, there ? &crossings : NULL),
+                     want);
+  }
+  assert_true(pdf == -7);
+  shade_bsdf_albedo_free(albedo);
+
+  /* a point that nobody filled is that of the cloth's own numbers, and told; its weave may go */
+  const double wo[3] = {0.1, 0.3, 0.95}, wi[3] = {0.3, -0.2, 0.93};
+  const float wof[3] = {0.1F, 0.3F, 0.95F};
+  shade_fabric_hit hit;
+  shade_fabric_hitf hitf;
+  shade_fabric_point_init(f, &here);
+  assert_int_equal(shade_fabric_prepare(f, &here, wo, SHADE_TIER_AUTO, &hit, NULL), SHADE_OK);
+  shade_fabric_hit_eval(f, &hit, wi, s[0]);
+  shade_weave_free(weave);
+  assert_int_equal(shade_fabric_prepare(f, &nowhere, wo, SHADE_TIER_AUTO, &hit, NULL), want);
+  shade_fabric_hit_eval(f, &hit, wi, s[1]);
+  assert_true(s[0][2] > 0);
+  assert_memory_equal(s[0], s[1], sizeof s[0]);
+  assert_int_equal(shade_fabric_preparef(f, &nowheref, wof, SHADE_TIER_AUTO, &hitf, NULL), want);
+  shade_fabric_free(f);
+  f = shade_preset_fabric(&preset, NULL, NULL);
+  shade_fabric_prepare(f, NULL, wo, SHADE_TIER_AUTO, &hit, NULL);
+  shade_fabric_hit_eval(f, &hit, wi, s[1]);
+  assert_memory_equal(s[0], s[1], sizeof s[0]);
+  shade_fabric_free(f);
+}
+
+static void in_words(void **state) {
+  (void)state;
+  const struct {
+    unsigned bits;
+    const char *text;
+  } said[] = {{SHADE_OK, "ok"},
+              {SHADE_CLAMPED_PARAMETER, "parameter clamped"},
+              {SHADE_CLAMPED_NORMAL, "normal clamped"},
+              {SHADE_BAD_INPUT, "bad input"},
+              {SHADE_BAD_CHOICE, "unknown choice"},
+              {SHADE_NO_SAMPLE, "no sample found"},
+              {SHADE_CLAMPED_PARAMETER | SHADE_BAD_CHOICE, "parameter clamped, unknown choice"},
+              {31, "parameter clamped, normal clamped, bad input, unknown choice, no sample found"},
+              {32, "unknown status"},
+              {~0U, "unknown status"}};
+  for (size_t k = 0; k < sizeof said / sizeof said[0]; k++)
+    assert_string_equal(shade_status_text(said[k].bits), said[k].text);
+  char numbers[40];
+  snprintf(numbers, sizeof numbers, "%d.%d.%d", SHADE_VERSION_MAJOR, SHADE_VERSION_MINOR,
+           SHADE_VERSION_PATCH);
+  assert_string_equal(shade_version(), SHADE_VERSION);
+  assert_string_equal(numbers, SHADE_VERSION);
+}
+
 /* NULL where there is nothing to make something of, and where only the answer counts. */
 static void nothing_given(void **state) {
   (void)state;
@@ -460,6 +584,8 @@ int main(void) {
       cmocka_unit_test(inward_normals_get_that_z),
       cmocka_unit_test(random_numbers_beyond_their_range),
       cmocka_unit_test(parameters_without_a_size),
+      cmocka_unit_test(structures_without_a_size),
+      cmocka_unit_test(in_words),
       cmocka_unit_test(nothing_given),
   };
   return cmocka_run_group_tests_name("status", tests, NULL, NULL);

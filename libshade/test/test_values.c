@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "support.h"
+#include "shade/albedo.h"
 #include "shade/fabric.h"
 #include "shade/maps.h"
 #include "shade/weave.h"
@@ -30,6 +31,7 @@ static void choices(void **state) {
       {SHADE_LIST_BRDF, SHADE_BRDF_WARD_DUR, "ward_dur", 2},
       {SHADE_LIST_BRDF, SHADE_BRDF_WARD_BOUNDED, "ward_bounded", 3},
       {SHADE_LIST_BRDF, SHADE_BRDF_MICROFACET, "microfacet", 4},
+      {SHADE_LIST_BRDF, SHADE_BRDF_AUTO, "auto", 5},
       {SHADE_LIST_DETAIL, SHADE_DETAIL_NONE, "none", 0},
       {SHADE_LIST_DETAIL, SHADE_DETAIL_PERTURB, "perturb", 1},
       {SHADE_LIST_DETAIL, SHADE_DETAIL_GRAM_SCHMIDT, "gram_schmidt", 2},
@@ -210,7 +212,8 @@ static void defaults(void **state) {
   for (int c = 0; c < 3; c++)
     assert_true(p.f0[c] == 1 && p.f82[c] == 1 && p.kd[c] == 0 && p.eta[c] == 0.5 && p.k[c] == 3);
   assert_int_equal(p.mdf, 0);
-  assert_int_equal(p.brdf, 0);
+  assert_int_equal(p.brdf, SHADE_BRDF_AUTO);
+  assert_int_equal(p.defaults, 1);
   assert_int_equal(p.detail, 3);
   assert_int_equal(p.groove, 0);
   assert_int_equal(p.fresnel, 1);
@@ -221,7 +224,8 @@ static void defaults(void **state) {
   shade_fabric_params f;
   shade_fabric_params_init(&f);
   assert_int_equal(f.mdf, 0);
-  assert_int_equal(f.brdf, 0);
+  assert_int_equal(f.brdf, SHADE_BRDF_AUTO);
+  assert_int_equal(f.defaults, 1);
   assert_int_equal(f.detail, 3);
   assert_int_equal(f.draft_colors, 0);
   assert_true(f.nap == 0);
@@ -363,6 +367,7 @@ static void short_params(void **state) {
     other_params(&p);                                                                              \
     shade_params_init(&want);                                                                      \
     want.horizon = SHADE_HORIZON_HARD;                                                             \
+    want.brdf = SHADE_BRDF_ASHIKHMIN_SHIRLEY;                                                      \
     memcpy((char *)&want + sizeof p.size, (char *)&p + sizeof p.size,                              \
            offsetof(shade_params, member) - sizeof p.size);                                        \
     BYTES_FROM(p, member);                                                                         \
@@ -389,6 +394,79 @@ static void short_params(void **state) {
   SHORT_PARAMS(eta);
   SHORT_PARAMS(k);
   SHORT_PARAMS(horizon);
+  SHORT_PARAMS(defaults);
+}
+
+/* The BRDF that goes with each distribution, by hand, and what it was before there was `auto`. */
+static void brdf_auto(void **state) {
+  (void)state;
+  const shade_brdf own[SHADE_MDF_COUNT] = {[SHADE_MDF_ASHIKHMIN_SHIRLEY] =
+                                               SHADE_BRDF_ASHIKHMIN_SHIRLEY,
+                                           [SHADE_MDF_WARD] = SHADE_BRDF_WARD_BOUNDED,
+                                           [SHADE_MDF_WARD_HALF] = SHADE_BRDF_WARD_BOUNDED,
+                                           [SHADE_MDF_BECKMANN] = SHADE_BRDF_MICROFACET,
+                                           [SHADE_MDF_GGX] = SHADE_BRDF_MICROFACET};
+  shade_params p, want;
+  shade_bsdf b, b_want;
+  for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++)
+    for (int old = 0; old < 4; old++) {
+      /* new; said by hand; filled with the older defaults; of the size before */
+      if (old == 2)
+        shade_params_init_as(&p, 0);
+      else
+        shade_params_init(&p);
+      want = p;
+      if (old == 1)
+        p.brdf = SHADE_BRDF_AUTO;
+      p.mdf = want.mdf = (shade_mdf)mdf;
+      want.brdf = old < 2 ? own[mdf] : SHADE_BRDF_ASHIKHMIN_SHIRLEY;
+      if (old == 3)
+        BYTES_FROM(p, defaults);
+      assert_int_equal(shade_params_brdf(&p), want.brdf);
+      memset(&b, 0, sizeof b);
+      memset(&b_want, 0, sizeof b_want);
+      assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
+      assert_int_equal(shade_bsdf_setup(&b_want, &want), SHADE_OK);
+      assert_memory_equal(&b, &b_want, sizeof b);
+    }
+  assert_int_equal(shade_params_brdf(NULL), SHADE_BRDF_ASHIKHMIN_SHIRLEY);
+
+  /* what a white GGX reflects of an even sky, the eye at 20 degrees: quadratures of the two
+   * formulas, .87156 and .74065 */
+  const double eye[3] = {sin(PI / 9), 0, cos(PI / 9)};
+  for (int defaults = 0; defaults < 2; defaults++) {
+    double rgb[3];
+    shade_params_init_as(&p, defaults);
+    p.mdf = SHADE_MDF_GGX;
+    p.fresnel = SHADE_FRESNEL_NONE;
+    shade_params_set_alphas(&p, .3, .3);
+    shade_bsdf_albedo *a = shade_bsdf_albedo_create(&p, NULL);
+    shade_bsdf_albedo_eval(a, NULL, eye, rgb, NULL);
+    assert_near(rgb[1], defaults ? .87156 : .74065, 5e-3);
+    shade_bsdf_albedo_free(a);
+  }
+}
+
+/* Defaults by version: 0 is what libshade 0.2 had, above and below count as the nearest. */
+static void versions_of_defaults(void **state) {
+  (void)state;
+  const int brdf[] = {SHADE_BRDF_ASHIKHMIN_SHIRLEY, SHADE_BRDF_ASHIKHMIN_SHIRLEY, SHADE_BRDF_AUTO,
+                      SHADE_BRDF_AUTO};
+  assert_int_equal(SHADE_DEFAULTS, 1);
+  for (int version = -1; version <= 2; version++) {
+    shade_params p, want;
+    memset(&p, 0, sizeof p);
+    memset(&want, 0, sizeof want);
+    shade_params_init(&want);
+    shade_params_init_as(&p, version);
+    want.brdf = (shade_brdf)brdf[version + 1];
+    want.defaults = version < 1 ? 0 : 1;
+    assert_memory_equal(&p, &want, sizeof p);
+    for (int list = 0; list < SHADE_LIST_COUNT; list++)
+      assert_int_equal(shade_list_default((shade_list)list, version),
+                       shade_params_get_choice(&want, (shade_list)list));
+  }
+  assert_int_equal(shade_list_default(SHADE_LIST_COUNT, 1), -1);
 }
 
 static void short_fabric(void **state) {
@@ -411,6 +489,7 @@ static void short_fabric(void **state) {
     p.nap = 0.7;                                                                                   \
     p.nap_color[2] = 0.9;                                                                          \
     shade_fabric_params_init(&want);                                                               \
+    want.brdf = SHADE_BRDF_ASHIKHMIN_SHIRLEY;                                                      \
     want.shadows = 0;                                                                              \
     memcpy((char *)&want + sizeof p.size, (char *)&p + sizeof p.size,                              \
            offsetof(shade_fabric_params, member) - sizeof p.size);                                 \
@@ -442,6 +521,19 @@ static void short_fabric(void **state) {
   SHORT_FABRIC(nap);
   SHORT_FABRIC(nap_color);
   SHORT_FABRIC(shadows);
+  {
+    /* the size before `auto`: what its init wrote is what it shaded with then */
+    shade_fabric_params p;
+    char text[4096];
+    for (int old = 0; old < 2; old++) {
+      shade_fabric_params_init(&p);
+      p.mdf = SHADE_MDF_GGX;
+      if (old)
+        BYTES_FROM(p, defaults);
+      shade_fabric_params_json(&p, text, sizeof text);
+      assert_non_null(strstr(text, old ? "\"brdf\": \"ashikhmin_shirley\"" : "\"brdf\": \"auto\""));
+    }
+  }
   shade_weave_free(weave);
   shade_draft_free(draft);
 }
@@ -556,13 +648,21 @@ static void short_slopes(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(choices),         cmocka_unit_test(other_choices),
-      cmocka_unit_test(constants),       cmocka_unit_test(ranges),
-      cmocka_unit_test(defaults),        cmocka_unit_test(metals),
-      cmocka_unit_test(materialx_clamp), cmocka_unit_test(fast_is_float),
-      cmocka_unit_test(short_params),    cmocka_unit_test(short_fabric),
-      cmocka_unit_test(short_weave),     cmocka_unit_test(short_scratches),
+      cmocka_unit_test(choices),
+      cmocka_unit_test(other_choices),
+      cmocka_unit_test(constants),
+      cmocka_unit_test(ranges),
+      cmocka_unit_test(defaults),
+      cmocka_unit_test(metals),
+      cmocka_unit_test(materialx_clamp),
+      cmocka_unit_test(fast_is_float),
+      cmocka_unit_test(short_params),
+      cmocka_unit_test(short_fabric),
+      cmocka_unit_test(short_weave),
+      cmocka_unit_test(short_scratches),
       cmocka_unit_test(short_slopes),
+      cmocka_unit_test(brdf_auto),
+      cmocka_unit_test(versions_of_defaults),
   };
   return cmocka_run_group_tests_name("values", tests, NULL, NULL);
 }

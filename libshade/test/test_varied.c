@@ -3,8 +3,8 @@
 /*
  * Parameters of each sample: a lane is worth what a material set up with its parameters gives,
  * for f, density and draws, in the frame of its groove; in both precisions and every instruction
- * set. Numbers out of their range: test_varied_range.c; draws as a whole, energy and reciprocity:
- * test_varied_draws.c.
+ * set; and so is a sample whose material shade_bsdf_vary made. Numbers out of their range:
+ * test_varied_range.c; draws as a whole, energy and reciprocity: test_varied_draws.c.
  */
 #include <string.h>
 
@@ -104,6 +104,44 @@ static void fill(uint64_t *seed, int single, arrays *a) {
 BATCHES(double, )
 BATCHES(float, f)
 
+/* Lane i as a material of its own, in single calls: farthest off what evaluate or draw left, of 1.
+ */
+#define SINGLE(real, f)                                                                            \
+  static double farthest##f(const real *got, const real(*want)[COUNT], int count, int i) {         \
+    double most = 0;                                                                               \
+    for (int k = 0; k < count; k++)                                                                \
+      most = fmax(most, (double)(fabs(got[k] - want[k][i]) / (fabs(want[k][i]) + 1)));             \
+    return most;                                                                                   \
+  }                                                                                                \
+  static double evaluate_one##f(const shade_isa_table *isa, const shade_bsdf *b, arrays *a,        \
+                                int colours, int i) {                                              \
+    shade_lanes##f in;                                                                             \
+    shade_bsdf one;                                                                                \
+    real v[9], got[OUTPUTS];                                                                       \
+    parameters##f(a, colours, &in);                                                                \
+    assert_int_equal(isa->entries##f->vary(b, &in, (size_t)i, &one), SHADE_OK);                    \
+    for (int k = 0; k < 9; k++)                                                                    \
+      v[k] = a->in##f[k][i];                                                                       \
+    isa->entries##f->bsdf(&one, v, v + 3, v + 6, got, &got[COSINE]);                               \
+    isa->entries##f->pdf(&one, v, v + 3, v + 6, &got[PDF]);                                        \
+    return farthest##f(got, a->out##f, OUTPUTS, i);                                                \
+  }                                                                                                \
+  static double draw_one##f(const shade_isa_table *isa, const shade_bsdf *b, arrays *a,            \
+                            int colours, int i) {                                                  \
+    shade_lanes##f in;                                                                             \
+    shade_bsdf one = *b;                                                                           \
+    real v[9], w[3], got[OUTPUTS];                                                                 \
+    const real u[2] = {a->in##f[U][i], a->in##f[U + 1][i]};                                        \
+    parameters##f(a, colours, &in);                                                                \
+    isa->entries##f->vary(&one, &in, (size_t)i, &one);                                             \
+    for (int k = 0; k < 9; k++)                                                                    \
+      v[k] = a->in##f[k][i];                                                                       \
+    isa->entries##f->sample(&one, v, v + 6, u, w, got, &got[PDF], &got[COSINE]);                   \
+    return fmax(farthest##f(w, a->wi##f, 3, i), farthest##f(got, a->out##f, OUTPUTS, i));          \
+  }
+SINGLE(double, )
+SINGLE(float, f)
+
 /* Floats read as doubles. */
 static void widen(arrays *a) {
   for (int i = 0; i < COUNT; i++) {
@@ -189,7 +227,7 @@ static int lane_agrees(const shade_params *base, const arrays *a, const double (
 static void lanes_are_materials(int single, int cases) {
   static arrays a;
   uint64_t seed = 11;
-  double worst = 0, worst_draw = 0;
+  double worst = 0, worst_draw = 0, worst_one = 0, worst_draw_one = 0;
   int drawn = 0;
   /* double: a rounding of h counts kx times in a narrow lobe (1e-12 of f at kx = 400, seen);
      that of the direction that was drawn once more */
@@ -203,12 +241,20 @@ static void lanes_are_materials(int single, int cases) {
     assert_int_equal(shade_bsdf_setup(&b, &p), SHADE_OK);
     for (int row = 0; (isa = shade_isa_pick(row)); row++) {
       (single ? evaluatef : evaluate)(isa, &b, &a, colours);
+      for (int i = row; i < COUNT; i += 3) {
+        const double off = (single ? evaluate_onef : evaluate_one)(isa, &b, &a, colours, i);
+        worst_one = fmax(worst_one, off);
+      }
       if (single)
         widen(&a);
       for (int i = row; i < COUNT; i += row ? 5 : 1)
         if (!lane_agrees(&p, &a, a.in + WI, i, colours, single, bound, &worst))
           fail_msg("%s, case %d, lane %d", isa->name, k, i);
       (single ? drawf : draw)(isa, &b, &a, colours);
+      for (int i = row; i < COUNT; i += 3) {
+        const double off = (single ? draw_onef : draw_one)(isa, &b, &a, colours, i);
+        worst_draw_one = fmax(worst_draw_one, off);
+      }
       if (single)
         widen(&a);
       for (int i = row; i < COUNT; i += row ? 5 : 1)
@@ -221,6 +267,10 @@ static void lanes_are_materials(int single, int cases) {
   }
   print_message("%s: worst %.1e; %d draws, %.1e\n", single ? "float" : "double", worst, drawn,
                 worst_draw);
+  print_message("one at a time: %.1e, draws %.1e\n", worst_one, worst_draw_one);
+  /* fused multiply-adds differ between loops and single calls */
+  assert_true(worst_one <= (single ? 1e-6 : 1e-15));
+  assert_true(worst_draw_one <= (single ? 1e-4 : 1e-13));
   assert_true(drawn > 120 * cases);
 }
 
@@ -266,6 +316,12 @@ static void parts(void **state) {
         sum[i] += a.out[0][i];
       if (part == SHADE_PART_SPECULAR)
         assert_true(same(pdf[i], shade_bsdf_pdf(&lobe, n, wi, wo, NULL), 1));
+      shade_bsdf one;
+      double f[3], cosine;
+      assert_int_equal(shade_bsdf_vary(&b, &in, (size_t)i, &one), SHADE_OK);
+      shade_bsdf_eval(&one, n, wi, wo, f, &cosine);
+      assert_true(same(f[0], a.out[0][i], 1e-3) && same(cosine, a.out[COSINE][i], 1));
+      assert_true(same(shade_bsdf_pdf(&one, n, wi, wo, NULL), pdf[i], 1e-3));
     }
   }
   for (int i = 0; i < COUNT; i++)
@@ -274,6 +330,70 @@ static void parts(void **state) {
   const shade_result out = {sizeof out, a.out[0], a.out[1], a.out[2], a.out[3]};
   assert_int_equal(shade_bsdf_eval_batch(&b, COUNT, &in, &out), SHADE_BAD_CHOICE);
   assert_true(a.out[0][7] == whole[7]);
+}
+
+/* Numbers out of range, and none: the status of a batch of the one lane, its value too. What is
+ * made for one sample is refused where there are many, and no ground for another. */
+static void one_lane_mended(void **state) {
+  (void)state;
+  static arrays a;
+  uint64_t seed = 12;
+  fill(&seed, 0, &a);
+  fill(&seed, 1, &a);
+  const double odd[] = {0.3, NAN, -1, INFINITY, 1e9, 0};
+  enum { ODD = sizeof odd / sizeof odd[0] };
+  for (int k = 0; k < 40 * ODD; k++) {
+    const shade_params p = some_params(&seed, k % SHADE_MDF_COUNT, k / SHADE_MDF_COUNT);
+    shade_bsdf b, one, kept;
+    shade_bsdf_setup(&b, &p);
+    shade_lanes in;
+    parameters(&a, k % 2, &in);
+    const size_t at = (size_t)(k % COUNT);
+    in.ay = NULL;
+    in.ex = odd + k % ODD;
+    in.ey = odd + k % ODD;
+    in.ax = in.groove_x = in.groove_y = NULL;
+    if (k % 3 == 0)
+      in.groove_x = in.ex, in.groove_y = odd;
+    if (k % 5 == 0)
+      in.kdg = in.etab = in.f0r = in.f82r = in.kr = in.ex;
+    if (k % 7 == 0)
+      in.parts = 8;
+    double many[5];
+    const double n[3] = {a.in[0][at], a.in[1][at], a.in[2][at]};
+    const double wi[3] = {a.in[3][at], a.in[4][at], a.in[5][at]};
+    const double wo[3] = {a.in[6][at], a.in[7][at], a.in[8][at]};
+    /* arrays of one number, and those of many from that lane on */
+    const double **const each = (const double **)&in.nx;
+    const size_t arrays_of =
+        (offsetof(shade_lanes, parts) - offsetof(shade_lanes, nx)) / sizeof *each;
+    for (size_t m = 0; m < arrays_of; m++)
+      if (each[m] && !(each[m] >= odd && each[m] < odd + ODD))
+        each[m] += at;
+    const shade_result out = {sizeof out, &many[0], &many[1], &many[2], &many[3]};
+    const unsigned was = shade_bsdf_eval_batch(&b, 1, &in, &out);
+    assert_int_equal(shade_bsdf_pdf_batch(&b, 1, &in, &many[4]), was);
+    assert_int_equal(shade_bsdf_vary(&b, &in, 0, &one), was);
+    double f[3], cosine;
+    assert_int_equal(shade_bsdf_eval(&one, n, wi, wo, f, &cosine), SHADE_OK);
+    for (int c = 0; c < 3; c++)
+      assert_true(same(f[c], many[c], 1e-3));
+    assert_true(same(cosine, many[3], 1));
+    assert_true(same(shade_bsdf_pdf(&one, n, wi, wo, NULL), many[4], 1e-3));
+    /* the other precision's calls know it, too */
+    const bsdf *const in_both = bsdf_of(&one);
+    assert_true(in_both->numbersf.kx == (float)in_both->numbers.kx);
+    assert_true(in_both->numbersf.s == (float)in_both->numbers.s);
+    kept = one;
+    assert_int_equal(shade_bsdf_eval_batch(&one, 1, &in, &out), SHADE_BAD_INPUT);
+    assert_int_equal(shade_bsdf_pdf_batch(&one, 1, &in, &many[4]), SHADE_BAD_INPUT);
+    assert_int_equal(shade_mdf_eval_batch(&one, 1, n, n, n, n, n, n, many), SHADE_BAD_INPUT);
+    assert_int_equal(shade_bsdf_vary(&one, &in, 0, &one), SHADE_BAD_INPUT);
+    assert_memory_equal(&one, &kept, sizeof one);
+    in.size = 0;
+    assert_int_equal(shade_bsdf_vary(&b, &in, 0, &one), SHADE_BAD_INPUT);
+    assert_memory_equal(&one, &b, sizeof one);
+  }
 }
 
 /* Nothing specular: every draw is a diffuse one, and Lambert's weight is kd itself. */
@@ -299,6 +419,7 @@ static void no_specular_part(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(each_lane_is_a_material),
                                      cmocka_unit_test(each_float_lane_is_a_material),
-                                     cmocka_unit_test(parts), cmocka_unit_test(no_specular_part)};
+                                     cmocka_unit_test(parts), cmocka_unit_test(one_lane_mended),
+                                     cmocka_unit_test(no_specular_part)};
   return cmocka_run_group_tests_name("varied", tests, NULL, NULL);
 }

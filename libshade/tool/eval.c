@@ -49,9 +49,9 @@ static void print_words(FILE *to, shade_list list) {
 }
 
 /* The plain formula: neither Fresnel nor a kinder horizon but on request. */
-static shade_params initial_params(void) {
+static shade_params initial_params(int defaults) {
   shade_params p;
-  shade_params_init(&p);
+  shade_params_init_as(&p, defaults);
   p.fresnel = SHADE_FRESNEL_NONE;
   p.horizon = SHADE_HORIZON_HARD;
   return p;
@@ -79,8 +79,19 @@ static void print_initial_lobe(FILE *to, const shade_params *initial) {
       fprintf(to, " --%s %g", info.word, *v);
 }
 
+/* What they differ in. */
+static void print_older_defaults(FILE *to) {
+  for (int list = 0; list < SHADE_LIST_COUNT; list++)
+    for (int defaults = SHADE_DEFAULTS - 1; defaults >= 0; defaults--) {
+      const int was = shade_list_default((shade_list)list, defaults);
+      if (was != shade_list_default((shade_list)list, defaults + 1))
+        fprintf(to, "; to %d: %s %s", defaults, shade_list_name((shade_list)list),
+                shade_list_word((shade_list)list, was));
+    }
+}
+
 static void usage(FILE *to) {
-  const shade_params initial = initial_params();
+  const shade_params initial = initial_params(SHADE_DEFAULTS);
   fputs(
       "usage: shade eval [options] < queries\n\n"
       "  --what D|f|diffuse|pdf|sample   (default D)\n"
@@ -107,7 +118,10 @@ static void usage(FILE *to) {
             info.components > 1 ? ", in every channel" : "");
   fputs("  (default", to);
   print_initial_lobe(to, &initial);
-  fputs(")\n\nThe lobe is stated by ", to);
+  fprintf(to, ")\n  --defaults 0 to %d, the version of the defaults (default %d)", SHADE_DEFAULTS,
+          SHADE_DEFAULTS);
+  print_older_defaults(to);
+  fputs("\n\nThe lobe is stated by ", to);
   tool_print_statements(to, SHADE_LIST_MDF);
   fputs(".\nFresnel is 1", to);
   print_fresnel(to);
@@ -188,7 +202,8 @@ static shade_list find_list(const char *name) {
 
 static int takes_value(const char *option) {
   return find_list(option + 2) != SHADE_LIST_COUNT || shade_param_find(option + 2) >= 0 ||
-         !strcmp(option, "--precision") || !strcmp(option, "--what");
+         !strcmp(option, "--defaults") || !strcmp(option, "--precision") ||
+         !strcmp(option, "--what");
 }
 
 /* Sets what an option of takes_value says. Numbers that were given are noted in *given, a bit each
@@ -202,6 +217,8 @@ static int read_option(query *q, const char *option, const char *value, unsigned
     *given |= 1u << row;
     return set_number(q, row, option, value);
   }
+  if (!strcmp(option, "--defaults")) /* before all others */
+    return TOOL_DONE;
   if (!strcmp(option, "--precision")) {
     const int k = find_word(precision_words, value);
     if (k < 0)
@@ -219,10 +236,25 @@ static int read_option(query *q, const char *option, const char *value, unsigned
   return TOOL_DONE;
 }
 
+/* What all else is said on top of, wherever it stands. */
+static int read_defaults(query *q, int argc, char **argv) {
+  long defaults;
+  char range[40];
+  for (int i = 1; i + 1 < argc; i += 2)
+    if (!strcmp(argv[i], "--defaults")) {
+      if (!tool_parse_whole(argv[i + 1], 0, SHADE_DEFAULTS, &defaults)) {
+        snprintf(range, sizeof range, "a whole number from 0 to %d", SHADE_DEFAULTS);
+        return bad_usage(argv[i], argv[i + 1], range);
+      }
+      q->params = initial_params((int)defaults);
+    }
+  return TOOL_DONE;
+}
+
 /* Returns TOOL_DONE, or the exit status after printing why; *help asks for the usage text. */
 static int read_options(query *q, int argc, char **argv, int *help) {
   unsigned given = 0;
-  int status = TOOL_DONE;
+  int status = read_defaults(q, argc, argv);
   for (int i = 1; status == TOOL_DONE && i < argc; i += 2) {
     const char *option = argv[i];
     if (!strcmp(option, "--help") || !strcmp(option, "-h")) {
@@ -314,7 +346,8 @@ static unsigned draw(const query *q, const shade_bsdf *b, const double *v, doubl
 }
 
 int shade_cmd_eval(int argc, char **argv) {
-  query q = {.precision = PRECISION_DOUBLE, .what = WHAT_D, .params = initial_params()};
+  query q = {
+      .precision = PRECISION_DOUBLE, .what = WHAT_D, .params = initial_params(SHADE_DEFAULTS)};
   int help = 0;
   int status = read_options(&q, argc, argv, &help);
   if (help)

@@ -27,6 +27,8 @@ static void usage(FILE *to) {
         "  --mdf WORD       the lobe's distribution (default ashikhmin_shirley)\n"
         "  --ex E --ey E    its exponents, or\n"
         "  --ax A --ay A    its alphas\n"
+        "  --defaults N     the version of the defaults, as shade eval has it: the BRDF says how\n"
+        "                   much narrower tilted lobes are\n"
         "  --lobes K        that many lobes at most, 1 to 8, instead of one: x, y and angle are\n"
         "                   those of each; 'weight nx ny nz' of every lobe follow (normals in the\n"
         "                   map's own axes, not turned by the angle)\n\n"
@@ -95,6 +97,14 @@ static int read_value(options *o, const char *option, const char *text) {
       return bad(option, text, "a whole number from 1 to 8");
     o->lobes = *text - '0';
     o->has_lobe = 1;
+  } else if (!strcmp(option, "--defaults")) {
+    long defaults;
+    if (!tool_parse_whole(text, 0, SHADE_DEFAULTS, &defaults))
+      return bad(option, text, "a version of the defaults, as shade eval --help has them");
+    for (int list = 0; list < SHADE_LIST_COUNT; list++)
+      if (list != SHADE_LIST_MDF)
+        shade_params_set_choice(&o->lobe, (shade_list)list,
+                                shade_list_default((shade_list)list, (int)defaults));
   } else if (!strcmp(option, "--normals")) {
     if ((place = find(text, kinds)) < 0)
       return bad(option, text, "colour, signed or slope");
@@ -119,7 +129,8 @@ static int check(options *o) {
 }
 
 static int read_options(options *o, int argc, char **argv) {
-  static const char *const valued[] = {"--normals", "--wrap", "--strength", "--mdf", "--lobes"};
+  static const char *const valued[] = {"--normals", "--wrap",  "--strength",
+                                       "--mdf",     "--lobes", "--defaults"};
   for (int i = 1; i < argc; i++) {
     const char *option = argv[i];
     int takes = lobe_row(option) >= 0;

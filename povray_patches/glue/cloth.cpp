@@ -6,7 +6,7 @@
 
 namespace mdf {
 
-Cloth::Cloth() : weave("plain"), mm_per_unit(200.0) {
+Cloth::Cloth() : weave("plain"), stated(0), mm_per_unit(200.0) {
   shade_weave_params_init(&yarns);
   shade_fabric_params_init(&material);
   for (int axis = 0; axis < 2; axis++) {
@@ -21,6 +21,7 @@ void Cloth::take(const shade_preset &preset) {
   draft.reset();
   yarns = preset.yarns;
   material = preset.fabric;
+  stated = 0;
   per_cm[0] = preset.ends_per_cm;
   per_cm[1] = preset.picks_per_cm;
   pigment[0] = pigment[1] = false;

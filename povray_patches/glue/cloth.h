@@ -21,6 +21,7 @@ struct Cloth {
   std::shared_ptr<const shade_draft> draft; // its own
   shade_weave_params yarns;
   shade_fabric_params material;
+  unsigned int stated; // as Material::stated
   double per_cm[2];    // crossings along u and v
   double crossings[2]; // in one unit of u and v; 0: by per_cm
   double mm_per_unit;  // cloth that one unit of u or v spans

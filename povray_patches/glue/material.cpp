@@ -12,12 +12,12 @@
 namespace mdf {
 
 Material::Material()
-    : tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), filtered(true), bump_once(false),
-      bump_scale(), bump_move(), reflects(false), notes(false), preset(false), samples(0),
-      clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1), bsdf(), specular(), diffuse(),
-      has_diffuse(false), diffuse_only(false), lambert(false), rejects(false), bends(false),
-      black(), regularized(), regularized_black(), roughness(0.0), rays(1),
-      lattice(Lattice::of(1)) {
+    : stated(0), tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), filtered(true),
+      bump_once(false), bump_scale(), bump_move(), reflects(false), notes(false), preset(false),
+      samples(0), clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1), bsdf(),
+      specular(), diffuse(), has_diffuse(false), diffuse_only(false), lambert(false),
+      rejects(false), bends(false), black(), regularized(), regularized_black(), roughness(0.0),
+      rays(1), lattice(Lattice::of(1)) {
   bump_scale[0] = bump_scale[1] = 1.0;
   shade_params_init(&params);
   // `specular` alone is the colour at every angle, as elsewhere in a finish

@@ -64,6 +64,7 @@ struct Material {
 
   std::string name; // where it was written: "file:line"
   shade_params params;
+  unsigned int stated; // 1 << list of each choice that a block has made
   Tangent tangent;
   double axis[3];                             // for TANGENT_AXIS and _RADIAL
   double centre[3];                           // for TANGENT_RADIAL: a point of the axis

@@ -65,9 +65,10 @@ std::string choice(const shade_params &params, shade_list list) {
 void metal(const mdf::Material &m, std::ostream &text) {
   const shade_params &p = m.params;
 
-  text << "  lobe: " << choice(p, SHADE_LIST_MDF) << "; detail " << choice(p, SHADE_LIST_DETAIL)
-       << ", horizon " << choice(p, SHADE_LIST_HORIZON) << "\n  colour: fresnel "
-       << choice(p, SHADE_LIST_FRESNEL);
+  text << "  lobe: " << choice(p, SHADE_LIST_MDF) << "; brdf "
+       << shade_list_word(SHADE_LIST_BRDF, shade_params_brdf(&p)) << ", detail "
+       << choice(p, SHADE_LIST_DETAIL) << ", horizon " << choice(p, SHADE_LIST_HORIZON)
+       << "\n  colour: fresnel " << choice(p, SHADE_LIST_FRESNEL);
   if (p.fresnel != SHADE_FRESNEL_CONDUCTOR)
     text << ", specular " << (m.specular_pigment ? "pigment" : colour(p.f0));
   text << "\n";

@@ -107,6 +107,7 @@ void Parser::Parse_Mdf_Preset(mdf::Material &material) {
   }
   material.cloth.reset();
   material.params = preset.metal;
+  material.stated = 0;
   const std::shared_ptr<mdf::Scratches> grain(new mdf::Scratches);
   grain->take(preset);
   if (material.scratches)
@@ -383,17 +384,28 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
         double *const place = shade_fabric_number(&p, word - mdf::BLOCK_ROW, &info);
         Parse_Mdf_Number_Of(info.word, info, place);
       } else if (word >= mdf::BLOCK_LIST)
-        Parse_Mdf_Cloth_Choice(p, (shade_list)(word - mdf::BLOCK_LIST));
+        Parse_Mdf_Cloth_Choice(*cloth, (shade_list)(word - mdf::BLOCK_LIST));
       else
         p.mdf = (shade_mdf)word;
     }
   }
   Parse_End();
+  shade_params choices;
+  shade_params_init(&choices);
+  choices.mdf = p.mdf;
+  choices.brdf = p.brdf;
+  choices.detail = p.detail;
+  choices.horizon = p.horizon;
+  Fill_Mdf_Defaults(choices, cloth->stated, material.name);
+  p.brdf = choices.brdf;
+  p.detail = choices.detail;
+  p.horizon = choices.horizon;
   material.cloth = cloth;
   material.scratches.reset();
 }
 
-void Parser::Parse_Mdf_Cloth_Choice(shade_fabric_params &p, shade_list list) {
+void Parser::Parse_Mdf_Cloth_Choice(mdf::Cloth &cloth, shade_list list) {
+  shade_fabric_params &p = cloth.material;
   const mdf::WordSet choices = mdf::words_of_list(list);
   {
     const mdf::WordScope words(Mdf_Words, choices);
@@ -401,6 +413,7 @@ void Parser::Parse_Mdf_Cloth_Choice(shade_fabric_params &p, shade_list list) {
   }
   if (Token.Token_Id != MDF_WORD_TOKEN)
     Expect_Mdf_Word(choices, "");
+  cloth.stated |= 1u << list;
   if (list == SHADE_LIST_BRDF)
     p.brdf = (shade_brdf)Token.Function_Id;
   else if (list == SHADE_LIST_DETAIL)

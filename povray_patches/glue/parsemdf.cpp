@@ -101,7 +101,7 @@ void Parser::Declare_Mdf_Version() {
   SYM_ENTRY *entry = Add_Symbol(1, "mdf_Version", FLOAT_ID_TOKEN);
 
   entry->Data = Create_Float();
-  *reinterpret_cast<DBL *>(entry->Data) = 6.0;
+  *reinterpret_cast<DBL *>(entry->Data) = 7.0;
 }
 
 // Loops and macros parse the same block many times: once is enough.
@@ -582,7 +582,62 @@ void Parser::Parse_Mdf_Choice(mdf::Material &material, shade_list list) {
 
   const int value = Token.Function_Id;
   shade_params_set_choice(&material.params, list, value);
+  material.stated |= 1u << list;
   Parse_Mdf_Rows(material, list, value);
+}
+
+// The version of the defaults that the scene asks for; 0 if it does not. An include file's or a
+// macro's own (#local) holds for what stands there.
+int Parser::Mdf_Defaults() {
+  const SYM_ENTRY *said = NULL;
+
+  for (int table = Table_Index; said == NULL && table > 0; table--)
+    said = Find_Symbol(table, "mdf_Defaults");
+  if (said == NULL)
+    return 0;
+  const double version =
+      said->Token_Number == FLOAT_ID_TOKEN ? *reinterpret_cast<const DBL *>(said->Data) : -1.0;
+  if (!(version >= 0.0 && version <= SHADE_DEFAULTS && version == std::floor(version)))
+    Error("mdf: mdf_Defaults is the version of a block's defaults, 0 to %d.", SHADE_DEFAULTS);
+  return (int)version;
+}
+
+namespace {
+
+// The choice that shades: what brdf auto stands for, and others as they are.
+int shaded_with(const shade_params &p, shade_list list) {
+  return list == SHADE_LIST_BRDF ? (int)shade_params_brdf(&p) : shade_params_get_choice(&p, list);
+}
+
+} // namespace
+
+// Choices that no block has made (stated: of Material), and whose default has changed, become the
+// default of the scene's version. The first block that newer ones would change is told of.
+void Parser::Fill_Mdf_Defaults(shade_params &params, unsigned int stated, const std::string &name) {
+  const int version = Mdf_Defaults();
+  std::string differ;
+
+  for (int i = 0; i < SHADE_LIST_COUNT; i++) {
+    const shade_list list = (shade_list)i;
+    const int newest = shade_list_default(list, SHADE_DEFAULTS);
+    bool changed = false;
+    for (int v = 0; v < SHADE_DEFAULTS; v++)
+      changed = changed || shade_list_default(list, v) != newest;
+    if (!changed || (stated >> i & 1))
+      continue;
+    shade_params newer = params;
+    shade_params_set_choice(&newer, list, newest);
+    shade_params_set_choice(&params, list, shade_list_default(list, version));
+    const int here = shaded_with(params, list), there = shaded_with(newer, list);
+    if (here != there)
+      differ += std::string(differ.empty() ? "" : ", ") + shade_list_name(list) + " is " +
+                shade_list_word(list, here) + ", not " + shade_list_word(list, there);
+  }
+  if (!differ.empty() && sceneData->mdfScene->first_warning("mdf_Defaults"))
+    Warning(0,
+            "mdf: the defaults of version %d hold (%s: %s); newer scenes say #declare "
+            "mdf_Defaults = %d;",
+            version, name.c_str(), differ.c_str(), SHADE_DEFAULTS);
 }
 
 void Parser::Parse_Mdf(FINISH *finish) {
@@ -642,6 +697,7 @@ void Parser::Parse_Mdf(FINISH *finish) {
     }
   }
   Parse_End();
+  Fill_Mdf_Defaults(material.params, material.cloth ? ~0u : material.stated, material.name);
   if (material.cloth && !of_metal.empty())
     Warn_Mdf("'" + of_metal + "' (" + material.name +
              ") has no part in a cloth; what its yarns are is said inside fabric { }.");

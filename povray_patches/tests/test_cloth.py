@@ -194,11 +194,15 @@ def test_folds_carry_the_cloth(render, shade_check):
     shade_check(dump, 2e-5)
 
 
-@pytest.mark.parametrize("words", ["ggx detail deform_smooth horizon chiang occlusion sky",
-                                   "seed 7 yarns { vary_brightness .5 slub .4 along 40 across 4 diffuse fibre_view rgb <.5, .2, .1> }",
-                                   "weave \"satin-8\" nap 1 nap_color rgb <.9, .8, .7> brdf ashikhmin_shirley"])
-def test_every_number_reaches_the_cloth(render, shade_check, words):
-    shade_check(render(scene(sheet() + cloth(words + " crossings 9") + "}", header=FRONT), size=(48, 48)).dump, 2e-5)
+@pytest.mark.parametrize("words, defaults, brdf", [
+    ("ggx detail deform_smooth horizon chiang occlusion sky", "", "ashikhmin_shirley"),  # a scene of before
+    ("seed 7 yarns { vary_brightness .5 slub .4 along 40 across 4 diffuse fibre_view rgb <.5, .2, .1> }", "#declare mdf_Defaults = 1;", "auto"),
+    ("weave \"satin-8\" nap 1 nap_color rgb <.9, .8, .7> brdf ward_dur", "#declare mdf_Defaults = 1;", "ward_dur")])
+def test_every_number_reaches_the_cloth(render, shade_check, words, defaults, brdf):
+    result = render(scene(defaults + sheet() + cloth(words + " crossings 9") + "}", header=FRONT), size=(48, 48))
+    assert result.dump.header["materials"][0]["fabric"]["cloth"]["brdf"] == brdf
+    assert ("brdf is ashikhmin_shirley, not microfacet" in " ".join(result.message.split())) == ("ggx" in words)
+    shade_check(result.dump, 2e-5)
 
 
 WIF = """[WIF]

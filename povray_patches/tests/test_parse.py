@@ -35,6 +35,39 @@ def test_defaults(material):
     assert (m["ex"], m["ey"], m["f0"]) == (200, 10, [1, 1, 1])
 
 
+NEWER = "#declare mdf_Defaults = 1;\n"
+VERSIONS = """#include "libshade_metals.inc"
+#macro Ball(At, Finish) sphere { At*x, .4 texture { pigment { rgb .5 } finish { Finish } } } #end
+#macro Newer() #local mdf_Defaults = 1; finish { mdf { ggx .3, .3 } } #end
+Ball(-1.2, finish { mdf { ggx .3, .3 } })
+Ball(-.8, finish { mdf { ggx .3, .3 brdf auto } })
+Ball(-.4, finish { LS_F_Steel_Brushed mdf { ggx .1, .4 } })
+Ball(0, finish { mdf { brdf ward_dur ward .2, .2 } })
+Ball(.4, finish { mdf { preset "brushed_steel" beckmann .1, .2 scratches off } })
+Ball(.8, Newer())
+"""
+
+
+def test_defaults_by_version(render, shade_check):
+    """A scene of before keeps its BRDFs, also where it changes what an include file has; one that asks for the newer
+    defaults has the BRDF that goes with the distribution."""
+    old = ["ashikhmin_shirley", "auto", "ashikhmin_shirley", "ward_dur", "ashikhmin_shirley", "auto"]
+    new = ["auto", "auto", "auto", "ward_dur", "auto", "auto"]
+    note = "the defaults of version 0 hold (scene.pov:"
+    for text, brdfs in ((VERSIONS, old), (NEWER + VERSIONS, new)):
+        result = render(scene(text), (56, 8))
+        own = [m for m in result.dump.header["materials"] if m["name"].startswith("scene.pov")]
+        said = [m["fabric"]["cloth"] if "fabric" in m else m for m in own]
+        assert [m["brdf"] for m in said] == brdfs
+        log = " ".join(result.message.split())
+        assert log.count(note) == (text is VERSIONS), log
+        assert ("brdf is ashikhmin_shirley, not microfacet" in log) == (text is VERSIONS)
+        shade_check(result.dump, everything=False)  # the include file's finishes are not in the picture
+    for bad in ("2", ".5", "x"):
+        log = render(scene(sphere("", f"#declare mdf_Defaults = {bad};")), (8, 8), fails=True, dump=False).message
+        assert "mdf_Defaults is the version of a block's defaults, 0 to 1." in " ".join(log.split()), log
+
+
 def test_every_word(material):
     m = material("ashikhmin_shirley 300, 20 detail gram_schmidt groove y fresnel schlick brdf ashikhmin_shirley "
                  "tangent <1, 2, 3> specular rgb <.1, .2, .3>")
@@ -303,10 +336,13 @@ def test_a_message_comes_once(render):
     assert render(text).message.count("it is taken as") == 1
 
 
-@pytest.mark.parametrize("version, settings, darker", [
-    ("3.7", "assumed_gamma 1", False), ("3.7", "", False), ("3.7", "assumed_gamma 2.2", True), ("3.7", "assumed_gamma srgb", True),
-    ("3.6", "assumed_gamma 1", False), ("3.6", "assumed_gamma 2.2", True), ("3.6", "", True)])
-@pytest.mark.parametrize("block", ['preset "brushed_brass"', 'fabric { preset "denim" }', "specular rgb .5"])
+GAMMAS = [("3.7", "assumed_gamma 1", False), ("3.7", "", False), ("3.7", "assumed_gamma 2.2", True), ("3.7", "assumed_gamma srgb", True),
+          ("3.6", "assumed_gamma 1", False), ("3.6", "assumed_gamma 2.2", True), ("3.6", "", True)]
+
+
+@pytest.mark.parametrize("version, settings, darker, block", [
+    *((*gamma, block) for gamma in GAMMAS for block in ('preset "brushed_brass"', 'fabric { preset "denim" }')),
+    (*GAMMAS[2], "specular rgb .5"), (*GAMMAS[6], "specular rgb .5")])
 def test_presets_tell_of_a_gamma_that_darkens_them(render, version, settings, darker, block):
     head = HEADER.replace("#version 3.7;", f"#version {version};").replace("global_settings { assumed_gamma 1 }", f"global_settings {{ {settings} }}")
     assert head != HEADER or (version, settings) == ("3.7", "assumed_gamma 1")
@@ -396,7 +432,7 @@ def test_notes_tell_a_block_once(render):
     result = render(scene("".join(f"sphere {{ {i}*x, 1 texture {{ pigment {{ rgb .5 }} Finish }} }}\n" for i in range(3)).replace("Finish", block, 3)), (16, 12))
     text = " ".join(result.log.split())
     assert text.count("mdf block at ") == 3  # three blocks, three places
-    for part in ("lobe: ggx 0.1, 0.3; detail rotate, horizon valid_estevez", "colour: fresnel schlick, specular rgb <0.9, 0.7, 0.4>",
+    for part in ("lobe: ggx 0.1, 0.3; brdf ashikhmin_shirley, detail rotate, horizon valid_estevez", "colour: fresnel schlick, specular rgb <0.9, 0.7, 0.4>",
                  "diffuse: fibre rgb 0.1", "strokes: along u of each object", "the finish adds to it: diffuse 0.4",
                  "reflection: 7 rays at a hit, none brighter than 3"):
         assert text.count(part) == 3, part

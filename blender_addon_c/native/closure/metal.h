@@ -133,6 +133,7 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g) {
     return false;
   if (!closure_metal_choices(r, &c->params) || !closure_metal_numbers(r, &c->params, &g->status))
     return false;
+  c->params.brdf = shade_params_brdf(&c->params);
   c->apart = c->apart && !g->dump && c->params.brdf == SHADE_BRDF_MICROFACET &&
              (c->params.mdf == SHADE_MDF_GGX || c->params.mdf == SHADE_MDF_BECKMANN);
   if (c->spreads && c->params.mdf == SHADE_MDF_BECKMANN &&

@@ -465,8 +465,10 @@ static PyObject *native_table(PyObject *self, PyObject *unused) {
                                         label, "help", help));
     good = good && PyDict_SetItemString(lists, list_info.word, rows) == 0;
     Py_XDECREF(rows);
-    PyObject *told = Py_BuildValue("{s:s,s:s}", "help", list_info.help, "initial",
-                                   shade_list_word((shade_list)list, list_info.initial));
+    PyObject *told =
+        Py_BuildValue("{s:s,s:s,s:s}", "help", list_info.help, "initial",
+                      shade_list_word((shade_list)list, list_info.initial), "first",
+                      shade_list_word((shade_list)list, shade_list_default((shade_list)list, 0)));
     good = good && told && PyDict_SetItemString(about, list_info.word, told) == 0;
     Py_XDECREF(told);
   }

@@ -270,8 +270,7 @@ def sockets(folder):
 
         for number, distribution in enumerate(("ASHIKHMIN_SHIRLEY", "GGX", "BECKMANN")):
             material, tree, node = common.metal("varied", fresnel="NONE", ax=0.15, ay=0.45, horizon="HARD",
-                                                distribution=distribution,
-                                                brdf="ASHIKHMIN_SHIRLEY" if number == 0 else "MICROFACET")
+                                                distribution=distribution)
             uv, parts = tree.nodes.new("ShaderNodeUVMap"), tree.nodes.new("ShaderNodeSeparateXYZ")
             tree.links.new(uv.outputs[0], parts.inputs[0])
             for part, name, low, high in (("Y", "Roughness", 0.2, 0.9), ("X", "Anisotropy", -0.7, 0.7), ("Y", "Rotation", 0, 0.5)):

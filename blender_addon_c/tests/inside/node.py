@@ -24,6 +24,7 @@ def test_sockets(node):
         "Color", "Edge Tint", "Roughness", "Anisotropy", "Rotation", "Diffuse Color", "Normal", "Tangent"]
     assert [s.name for s in node.outputs] == ["BSDF"]
     assert node.detail == "ROTATE" and node.distribution == "ASHIKHMIN_SHIRLEY"
+    assert node.brdf == "AUTO"
     assert node.groove == "AUTO" and node.fresnel == "SCHLICK" and node.horizon == "VALID_ESTEVEZ"
     assert near(node.ex, 200) and near(node.ey, 10)
     # a slider from 0 to 1 turn, as Cycles' own; numbers beyond are turns all the same
@@ -489,6 +490,10 @@ def test_save_and_load(path):
     assert patterns()
     linked, _tree, node = common.metal("to be linked")
     linked.use_fake_user = True
+    # what older versions kept of a choice that no one had made, and of one: nothing, and the choice
+    said = common.metal("said", distribution="GGX", brdf="WARD_DUR")[0]
+    said.use_fake_user = True
+    node.property_unset("brdf")
     for frame, exponent in ((1, 100.0), (11, 1000.0)):
         node.ex = exponent
         node.keyframe_insert("ex", frame=frame)
@@ -496,6 +501,9 @@ def test_save_and_load(path):
     bpy.ops.wm.open_mainfile(filepath=path)
     common.enable()
     assert not patterns()  # what has no users is not saved
+    metal_of = {name: bpy.data.materials[name].node_tree.nodes["Libshade Metal"] for name in ("metal", "to be linked", "said")}
+    assert {name: metal.brdf for name, metal in metal_of.items()} == {
+        "metal": "AUTO", "to be linked": "ASHIKHMIN_SHIRLEY", "said": "WARD_DUR"}
     node = bpy.data.materials["metal"].node_tree.nodes["Libshade Metal"]
     assert near(node.ay, 0.15) and node.node_tree
     return node

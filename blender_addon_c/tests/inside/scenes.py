@@ -217,7 +217,7 @@ def metal_sockets(options):
     """A plate of metal, its sockets (`fed`) read from the UV map or set by hand: roughness .3 to .8, anisotropy .2 to
     .7, no turn to .2, half a diffuse colour."""
     scene = common.empty_scene(48, 48, 64)
-    lobe = {"distribution": "GGX", "brdf": "MICROFACET"} if options.get("ggx") else {}
+    lobe = {"distribution": "GGX"} if options.get("ggx") else {}
     material, tree, node = common.metal(fresnel="SCHLICK" if options.get("edge") else "NONE", **lobe)
     node.inputs["Color"].default_value = (0.9, 0.6, 0.3, 1)
     apart, place = tree.nodes.new("ShaderNodeSeparateXYZ"), tree.nodes.new("ShaderNodeUVMap")

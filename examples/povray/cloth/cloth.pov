@@ -4,6 +4,7 @@
 //
 //   build/povray/povray +Iexamples/povray/cloth/cloth.pov +Obuild/cloth.png +W960 +H540 +A0.1
 #version 3.7;
+#declare mdf_Defaults = 1;
 #include "mdf_fabrics.inc"
 global_settings { assumed_gamma 1 }
 

@@ -4,6 +4,7 @@
 //
 //   build/povray/povray +Iexamples/povray/inlay/inlay.pov +Obuild/inlay.png +W960 +H540 +A0.2
 #version 3.7;
+#declare mdf_Defaults = 1;
 global_settings { assumed_gamma 1 }
 #ifndef (mdf_Version) #error "This scene needs POV-Ray with libshade." #end
 

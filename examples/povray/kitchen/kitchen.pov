@@ -4,6 +4,7 @@
 //
 //   build/povray/povray +Iexamples/povray/kitchen/kitchen.pov +Obuild/kitchen.png +W960 +H540 +A0.2
 #version 3.7;
+#declare mdf_Defaults = 1;
 #include "mdf_metals.inc"
 global_settings {
   assumed_gamma 1 max_trace_level 6

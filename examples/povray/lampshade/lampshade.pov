@@ -5,6 +5,7 @@
 //   build/povray/povray +Iexamples/povray/lampshade/lampshade.pov +Obuild/lampshade.png \
 //     +W960 +H540 +A0.2
 #version 3.7;
+#declare mdf_Defaults = 1;
 #include "mdf_metals.inc"
 #include "mdf_fabrics.inc"
 global_settings { assumed_gamma 1 }

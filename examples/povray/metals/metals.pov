@@ -4,6 +4,7 @@
 //   build/povray/povray +Iexamples/povray/metals/metals.pov +Obuild/metals.png \
 //     +W800 +H400 +A0.1
 #version 3.7;
+#declare mdf_Defaults = 1;
 global_settings { assumed_gamma 1 }
 
 camera {

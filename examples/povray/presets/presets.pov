@@ -4,6 +4,7 @@
 //   build/povray/povray +Iexamples/povray/presets/presets.pov +Obuild/presets.png \
 //     +W960 +H540 +A0.2
 #version 3.7;
+#declare mdf_Defaults = 1;
 #include "mdf_metals.inc"
 #include "mdf_fabrics.inc"
 global_settings {

@@ -2,6 +2,7 @@
 // Brushed metal shows what stands on it, and no lamp is needed.
 //   povray +Ireflection.pov +W800 +H400 +A0.1
 #version 3.7;
+#declare mdf_Defaults = 1;
 #ifndef (mdf_Version) #error "This scene needs POV-Ray with libshade." #end
 #include "libshade_metals.inc"
 

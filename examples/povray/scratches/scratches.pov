@@ -5,6 +5,7 @@
 //   build/povray/povray +Iexamples/povray/scratches/scratches.pov +Obuild/scratches.png \
 //     +W640 +H360 +A0.2
 #version 3.7;
+#declare mdf_Defaults = 1;
 global_settings { assumed_gamma 1 }
 
 camera { location <0, 2.1, -5.6> right 16/9*x up y angle 58 look_at <0, .5, 0> }

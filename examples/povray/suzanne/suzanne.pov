@@ -7,6 +7,7 @@
 //   build/povray/povray +Iexamples/povray/suzanne/suzanne.pov +Lbuild/demo/povray \
 //     +Obuild/suzanne.png +W960 +H720 +A0.1
 #version 3.7;
+#declare mdf_Defaults = 1;
 global_settings { assumed_gamma 1 }
 
 #include "camera.inc"

@@ -4,6 +4,7 @@
 //   build/povray/povray +Iexamples/povray/turned/turned.pov +Obuild/turned.png \
 //     +W800 +H400 +A0.1
 #version 3.7;
+#declare mdf_Defaults = 1;
 #ifndef (mdf_Version)
   #error "This scene needs POV-Ray with libshade.\n"
 #end

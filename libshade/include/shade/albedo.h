@@ -59,7 +59,7 @@ typedef struct shade_albedo_resultf {
 } shade_albedo_resultf;
 
 /* shade_bsdf_albedo_eval over arrays. Returns the or of all status bits; SHADE_BAD_INPUT, and
- * writes nothing, where a required array is missing. */
+ * writes nothing, where a required array is missing, or a structure's size. */
 SHADE_API unsigned shade_bsdf_albedo_batchf(const shade_bsdf_albedo *a, size_t count,
                                             const shade_albedo_lanesf *in,
                                             const shade_albedo_resultf *out);

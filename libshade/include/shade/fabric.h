@@ -60,10 +60,12 @@ typedef struct shade_fabric_params {
    * terminator instead of ending in a line (CONVENTIONS.md, "Shadows of yarns"). 0: as if each
    * yarn were alone; so for callers whose `size` ends before it. */
   int shadows;
+  size_t defaults; /* as in shade_params: SHADE_BRDF_AUTO, the default, is Ashikhmin-Shirley's for
+                    * callers whose `size` ends before it */
 } shade_fabric_params;
 
-/* Ashikhmin-Shirley, rotate, fibre diffuse; exponents 100 and 10, f0 .04, kd .5, no nap,
- * nothing transmitted, SHADE_HORIZON_VALID_ESTEVEZ, shadows. */
+/* Ashikhmin-Shirley (brdf auto), rotate, fibre diffuse; exponents 100 and 10, f0 .04, kd .5, no
+ * nap, nothing transmitted, SHADE_HORIZON_VALID_ESTEVEZ, shadows. */
 SHADE_API void shade_fabric_params_init(shade_fabric_params *p);
 
 /*
@@ -90,7 +92,7 @@ SHADE_API int shade_fabric_json(int id, const char *name, const shade_draft *dra
 typedef struct shade_fabric shade_fabric;
 
 /*
- * A fabric ready for evaluation; it keeps a pointer to `weave`, which must outlive it. Numbers
+ * A fabric ready for evaluation. It keeps `weave`, which the caller may free at once. Numbers
  * out of range are clamped (SHADE_CLAMPED_PARAMETER; NaN becomes the default), unknown choices
  * become the first of their list (SHADE_BAD_CHOICE): or-ed into *status unless it is NULL. p may
  * be NULL: the defaults. Looks at some 10^5 points of the weave and tables the far model: 10 to
@@ -200,12 +202,13 @@ typedef struct shade_fabric_hitf {
 } shade_fabric_hitf;
 
 /*
- * Prepare a hit for the eye's direction wo. point NULL: the fabric's own numbers at (0, 0).
- * *coverage, if not NULL, is the share of the eye's ray that meets something: 1 on yarns and
- * where the gaps have a backing; else, in gaps, what loose fibres and the nap take of it. A
- * renderer that looks through the cloth adds (1 - coverage) of what is behind; the near model's
- * is that of the point (0 or 1 but for fuzz and nap), the far model's a share. s never has that
- * part. Status as for shade_fabric_eval; *hit is always usable afterwards (0 for bad input).
+ * Prepare a hit for the eye's direction wo. point NULL: the fabric's own numbers at (0, 0); so
+ * where nobody set its size (SHADE_BAD_INPUT). *coverage, if not NULL, is the share of the eye's
+ * ray that meets something: 1 on yarns and where the gaps have a backing; else, in gaps, what loose
+ * fibres and the nap take of it. A renderer that looks through the cloth adds (1 - coverage) of
+ * what is behind; the near model's is that of the point (0 or 1 but for fuzz and nap), the far
+ * model's a share. s never has that part. Status as for shade_fabric_eval; *hit is always usable
+ * afterwards (0 for bad input).
  */
 SHADE_API unsigned shade_fabric_prepare(const shade_fabric *fabric, const shade_fabric_point *point,
                                         const double wo[3], shade_fabric_tier tier,

@@ -46,8 +46,8 @@ SHADE_API int shade_preset_row(int row, shade_preset *preset);
 SHADE_API int shade_preset_find(const char *word, shade_preset *preset);
 
 /*
- * The fabric of a preset (kind SHADE_PRESET_FABRIC), ready for shade_fabric_eval, and its
- * weave in *weave: free the fabric with shade_fabric_free, then the weave with
+ * The fabric of a preset (kind SHADE_PRESET_FABRIC), ready for shade_fabric_eval, and, unless
+ * `weave` is NULL, its weave in *weave: free the fabric with shade_fabric_free, the weave with
  * shade_weave_free. Status bits are or-ed into *status unless it is NULL. NULL, and *weave
  * NULL, for a metal, no preset, an unknown weave or out of memory.
  */

@@ -34,7 +34,11 @@ extern "C" {
 #define SHADE_API
 #endif
 
+/* Of this header; the library's own: shade_version. */
 #define SHADE_VERSION "0.3.0"
+#define SHADE_VERSION_MAJOR 0
+#define SHADE_VERSION_MINOR 3
+#define SHADE_VERSION_PATCH 0
 
 #define SHADE_ENUM_ROW_(prefix, NAME, value) prefix##NAME = value,
 #define SHADE_MDF_ROW_(NAME, word, value, label, help) SHADE_ENUM_ROW_(SHADE_MDF_, NAME, value)
@@ -88,6 +92,12 @@ enum {
   SHADE_NO_SAMPLE = 16         /* a draw found no direction: wi, f and pdf are 0 */
 };
 
+/* The same in a few words, "ok" or "parameter clamped, bad input"; the text stays. */
+SHADE_API const char *shade_status_text(unsigned status);
+
+/* The version of the library that is linked, as SHADE_VERSION. */
+SHADE_API const char *shade_version(void);
+
 /*
  * A material as its author states it. Fill it with shade_params_init, change
  * what is needed, then hand it to shade_bsdf_setup. By name or row: shade_params_set and
@@ -109,6 +119,7 @@ typedef struct shade_params {
   double kd[3];        /* diffuse reflectance, linear RGB, [0, 1]; 0: no diffuse part */
   double eta[3], k[3]; /* for SHADE_FRESNEL_CONDUCTOR: complex index, [1e-3, 100] and [0, 100] */
   shade_horizon horizon;
+  size_t defaults; /* version of the defaults that were filled in; 0 where `size` ends before it */
 } shade_params;
 
 /*
@@ -121,10 +132,20 @@ typedef struct shade_bsdf {
 
 /* Set every member of *p to its default in the table (table.h). */
 SHADE_API void shade_params_init(shade_params *p);
+/*
+ * The same with the defaults of an older version, 0 (libshade 0.2) to SHADE_DEFAULTS; one that does
+ * not exist counts as the nearest. What differs: SHADE_TABLE_CHANGES of table.h.
+ */
+SHADE_API void shade_params_init_as(shade_params *p, int defaults);
+
+/* The BRDF that *p is shaded with: what `auto` stands for with its distribution, else p->brdf. Of
+ * p->size as shade_bsdf_setup has it. */
+SHADE_API shade_brdf shade_params_brdf(const shade_params *p);
 
 /*
  * Set the exponents and the matching alphas (e = 2/alpha^2 - 2; alpha is
- * clamped to [1e-4, 10]). Returns status bits.
+ * clamped to [1e-4, 10]). Returns status bits. These, and shade_params_set_roughness, set nothing
+ * where nobody set p->size: SHADE_BAD_INPUT.
  */
 SHADE_API unsigned shade_params_set_exponents(shade_params *p, double ex, double ey);
 
@@ -181,7 +202,8 @@ SHADE_API int shade_params_set_metal(shade_params *p, const char *word);
  * the first of their list (SHADE_BAD_CHOICE). *b is always usable afterwards.
  * Ashikhmin-Shirley reads ex and ey, every other distribution ax and ay. Members beyond
  * p->size keep their defaults, so that callers built against an older header work; for those
- * without `horizon` it is `hard`, as it was then. Where nobody set the size (it is below
+ * without `horizon` it is `hard`, as it was then, and SHADE_BRDF_AUTO, the default since there is
+ * `defaults`, is Ashikhmin-Shirley's for those without it. Where nobody set the size (it is below
  * sizeof(size_t), as in `= {0}` without shade_params_init) nothing of *p is taken: all defaults,
  * SHADE_BAD_INPUT; so with every structure of parameters. p NULL: all defaults.
  */
@@ -256,8 +278,9 @@ SHADE_API unsigned shade_bsdf_evalf(const shade_bsdf *b, const float n[3], const
  * many threads as that, until the material changes; a call without this one before it reads what is
  * not there.
  *
- * What shade_bsdf_hit_eval gives for wi is what shade_bsdf_eval gives for n, wi and wo, to the last
- * bit, status included; shade_bsdf_prepare returns those status bits that n and wo cause.
+ * What shade_bsdf_hit_eval, _pdf and _sample (further below) give is what shade_bsdf_eval, _pdf and
+ * _sample give for n, wi or u, and wo, to the last bit, status included; shade_bsdf_prepare returns
+ * those status bits that n and wo cause.
  */
 typedef struct shade_bsdf_hit {
   double inside[32];
@@ -273,6 +296,16 @@ SHADE_API unsigned shade_bsdf_hit_eval(const shade_bsdf *b, const shade_bsdf_hit
                                        const double wi[3], double f[3], double *cosine);
 SHADE_API unsigned shade_bsdf_hit_evalf(const shade_bsdf *b, const shade_bsdf_hitf *hit,
                                         const float wi[3], float f[3], float *cosine);
+SHADE_API double shade_bsdf_hit_pdf(const shade_bsdf *b, const shade_bsdf_hit *hit,
+                                    const double wi[3], unsigned *status);
+SHADE_API float shade_bsdf_hit_pdff(const shade_bsdf *b, const shade_bsdf_hitf *hit,
+                                    const float wi[3], unsigned *status);
+SHADE_API unsigned shade_bsdf_hit_sample(const shade_bsdf *b, const shade_bsdf_hit *hit,
+                                         const double u[2], double wi[3], double f[3], double *pdf,
+                                         double *cosine);
+SHADE_API unsigned shade_bsdf_hit_samplef(const shade_bsdf *b, const shade_bsdf_hitf *hit,
+                                          const float u[2], float wi[3], float f[3], float *pdf,
+                                          float *cosine);
 
 /*
  * Phi of a diffuse model in the fibre's frame: x along the fibre, z the normal; f cos =
@@ -344,6 +377,20 @@ typedef struct shade_lanesf {
   const float *groove_x, *groove_y;
   size_t parts;
 } shade_lanesf;
+
+/*
+ * The material of one sample, for callers that shade a hit at a time: that of `lane` of the arrays
+ * (f0 to parts; directions are not read), which may be single numbers: in.ax = &alpha, lane 0. It
+ * is for the calls on one sample, all of which take it, with directions in the frame of *b: they
+ * give what batches of *b give for such a lane, to rounding, status apart, which is returned here.
+ * Made of double it is for the calls in double, of float for those in float (the others read its
+ * numbers rounded). Batches refuse it, as does this call: SHADE_BAD_INPUT, and *out is *b; so
+ * without in->size. *out may be *b.
+ */
+SHADE_API unsigned shade_bsdf_vary(const shade_bsdf *b, const shade_lanes *in, size_t lane,
+                                   shade_bsdf *out);
+SHADE_API unsigned shade_bsdf_varyf(const shade_bsdf *b, const shade_lanesf *in, size_t lane,
+                                    shade_bsdf *out);
 
 /* Outputs, all required. They must not overlap the inputs. */
 typedef struct shade_result {
@@ -509,6 +556,9 @@ typedef struct shade_list_info {
   size_t offset;      /* of its member in shade_params, an enum */
 } shade_list_info;
 SHADE_API int shade_list_about(shade_list list, shade_list_info *info);
+/* A list's default in a version of the defaults (shade_params_init_as); -1 for a list that does not
+ * exist. */
+SHADE_API int shade_list_default(shade_list list, int defaults);
 
 /* One numeric parameter of the table, into *info unless that is NULL; returns 0 past the end.
  * components is 1 or 3. */

@@ -196,7 +196,8 @@ SHADE_API int shade_occlusion_row(int row, int *value, const char **word, const 
  * axis, radians, [.01, pi/2], so that tan(theta) = 1 / tan(angle); strands: how many pass
  * along one crossing (turns per crossing times plies; a whole number continues from cell to
  * cell). Plied yarn (plied != 0) has its fibres along the axis, single yarn along its
- * strands. Set the widths first. Returns status bits.
+ * strands. Set the widths first. Returns status bits; SHADE_BAD_INPUT, nothing is set, without
+ * p->size.
  */
 SHADE_API unsigned shade_weave_params_set_twist(shade_weave_params *p, shade_top yarns, int hand,
                                                 double angle, double strands, int plied);
@@ -212,7 +213,7 @@ typedef struct shade_weave shade_weave;
  */
 SHADE_API shade_weave *shade_weave_create(const shade_draft *draft, const shade_weave_params *p,
                                           unsigned *status);
-SHADE_API void shade_weave_free(shade_weave *weave); /* NULL is fine */
+SHADE_API void shade_weave_free(shade_weave *weave); /* NULL is fine; fabrics of it go on */
 SHADE_API const shade_draft *shade_weave_draft(const shade_weave *weave);
 SHADE_API const shade_weave_params *shade_weave_get_params(const shade_weave *weave);
 

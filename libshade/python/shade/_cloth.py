@@ -11,7 +11,7 @@ import numpy as np
 from . import _structs as structs
 from ._arrays import Call, gather
 from ._library import LIB, Preset, one_of, rows, text, words
-from ._material import choices, numbers
+from ._material import choices, default_of, numbers
 
 PresetRow = collections.namedtuple(
     "PresetRow", "kind label help source color_source weave ends_per_cm picks_per_cm scratch_cm turned")
@@ -106,14 +106,15 @@ def _set_yarn(name, shape, yarn, values):
                             + ", ".join(["diffuse", *material, *shapes]))
 
 
-def fabric(preset=None, *, weave=None, pattern=None, draft=None, wif=None, warp=None, weft=None, **values):
+def fabric(preset=None, *, weave=None, pattern=None, draft=None, wif=None, warp=None, weft=None, defaults=None,
+           **values):
     """A cloth: a preset (`shade.presets()`), changed by what else is given, or plain weave of the defaults.
 
     One of `weave` (a name), `pattern` (n_w, n_p, n_s), `draft` (an array of picks × ends, not 0 where the warp is
     up) and `wif` (a file's path) says what lies over what. `warp`, `weft`: dictionaries of yarns' numbers
     (`width`, `gap`, `curve`, … of weave.h; `along`, `across`, `f0`, `kd`, `diffuse` of fabric.h). `values`: mdf,
     brdf, detail, horizon, occlusion, seed, draft_colors, shadows, backing, nap, nap_color, warp_transmit,
-    weft_transmit.
+    weft_transmit. `defaults`: as `shade.Material` has it.
     """
     found = Preset()
     if preset is None:
@@ -122,6 +123,7 @@ def fabric(preset=None, *, weave=None, pattern=None, draft=None, wif=None, warp=
     elif not LIB.shade_preset_find(str(preset).encode(), ctypes.byref(found)) or found.kind != 0:
         raise ValueError(f"preset: {preset!r} given; expected a cloth of shade.presets()")
     yarns, cloth = found.yarns, found.fabric
+    cloth.brdf = default_of("brdf", defaults)
     _set_yarn("warp", yarns.warp, cloth.warp, warp or {})
     _set_yarn("weft", yarns.weft, cloth.weft, weft or {})
     known = _numbers_of(LIB.shade_fabric_number, cloth)

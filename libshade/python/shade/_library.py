@@ -24,6 +24,7 @@ s shade_list_word ii
 i shade_list_row iipppp
 s shade_list_name i
 i shade_list_about ip
+i shade_list_default ii
 i shade_param_row ip
 u shade_bsdf_setup pp
 u shade_bsdf_eval_batch pnpp
@@ -122,6 +123,7 @@ LIB = load(PATH)
 _room = (ctypes.c_double * 1024)()
 LIB.shade_params_init(_room)
 PARAMS_SIZE = structs.ParamsHead.from_buffer(_room).size
+DEFAULTS = ctypes.c_size_t.from_buffer(_room, PARAMS_SIZE - ctypes.sizeof(ctypes.c_size_t)).value  # its last member
 Preset = structs.preset(PARAMS_SIZE)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _structs as structs
 from ._arrays import Call, gather
-from ._library import LIB, PARAMS_SIZE, Preset, one_of, rows, text, words
+from ._library import DEFAULTS, LIB, PARAMS_SIZE, Preset, one_of, rows, text, words
 
 Parameter = collections.namedtuple(
     "Parameter", "word unit help components minimum maximum initial list choices")
@@ -69,21 +69,35 @@ def numbers(name, value, components, minimum, maximum):
     return (ctypes.c_double * components)(*np.broadcast_to(given, components))
 
 
+def default_of(name, defaults):
+    """A list's default, as a number, in a version of the defaults; None: the newest."""
+    if defaults is None:
+        defaults = DEFAULTS
+    if isinstance(defaults, bool) or not isinstance(defaults, int) or not 0 <= defaults <= DEFAULTS:
+        raise ValueError(f"defaults: {defaults!r} given; expected a whole number from 0 to {DEFAULTS}")
+    return LIB.shade_list_default(list(lists()).index(name), defaults)
+
+
 class Material:
     """A metal or another surface, ready to be evaluated. Choices and numbers by the names of the table
     (`shade.lists()`, `shade.parameters()`): `Material(mdf="ggx", ax=.1, ay=.4, f0=(.9, .7, .3))`.
 
     An exponent sets the alpha of its axis and the other way round. `preset` (a metal of `shade.presets()`) and
     `metal` (of `shade.metals()`) are taken first, then `roughness=(convention, roughness, anisotropy)` as another
-    program states it, then the rest. `fast` is a word of older versions: float. Values are read as
+    program states it, then the rest. `defaults` is the version of the defaults, 0 those of libshade 0.2 (brdf
+    ashikhmin_shirley, not auto); without it the newest. `fast` is a word of older versions: float. Values are read as
     attributes and never change: `replace` makes another material.
     """
 
-    def __init__(self, *, preset=None, metal=None, roughness=None, fast=None, **values):
+    def __init__(self, *, preset=None, metal=None, roughness=None, fast=None, defaults=None, **values):
         self._params = (ctypes.c_double * (PARAMS_SIZE // 8))()
         LIB.shade_params_init(self._params)
         if preset is not None:
             self._take_preset(preset)
+        for number, (name, word) in enumerate(lists().items()):
+            older = default_of(name, defaults)
+            if older != default_of(name, None) and getattr(self, name) == word:  # of presets too, which leave it open
+                LIB.shade_params_set_choice(self._params, number, older)
         self._set(metal, roughness, fast, values)
 
     def _take_preset(self, name):
@@ -120,7 +134,7 @@ class Material:
             LIB.shade_params_set(self._params, list(parameters()).index(name),
                                  numbers(name, value, row.components, row.minimum, row.maximum))
         else:
-            raise TypeError(f"{name!r}: no such parameter; there are preset, metal, roughness, fast, "
+            raise TypeError(f"{name!r}: no such parameter; there are preset, metal, roughness, defaults, fast, "
                             + ", ".join([*lists(), *parameters()]))
 
     def replace(self, *, metal=None, roughness=None, fast=None, **values):
@@ -164,7 +178,8 @@ class Material:
 
 def _again(params):
     material = object.__new__(Material)
-    material._params = (ctypes.c_double * (PARAMS_SIZE // 8)).from_buffer_copy(params)
+    # of an older version it is shorter
+    material._params = (ctypes.c_double * (PARAMS_SIZE // 8)).from_buffer_copy(params + bytes(PARAMS_SIZE))
     material._set(None, None, None, {})
     return material
 

@@ -43,7 +43,7 @@ Yarn = structure("shade_yarn", along=c_double, across=c_double, f0=c_double * 3,
 FabricParams = structure(
     "shade_fabric_params", size=c_size_t, mdf=c_int, brdf=c_int, detail=c_int, warp=Yarn, weft=Yarn,
     draft_colors=c_int, backing=c_double * 3, nap=c_double, nap_color=c_double * 3, warp_transmit=c_double * 3,
-    weft_transmit=c_double * 3, horizon=c_int, shadows=c_int)
+    weft_transmit=c_double * 3, horizon=c_int, shadows=c_int, defaults=c_size_t)
 FabricInfo = structure(
     "shade_fabric_info", warp_lobes=c_int, weft_lobes=c_int, warp_share=c_double, weft_share=c_double,
     warp_single=c_double * 2, weft_single=c_double * 2)
