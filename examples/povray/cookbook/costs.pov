@@ -10,7 +10,7 @@
 #ifndef (Block) #declare Block = 2; #end
 global_settings { assumed_gamma 1 }
 
-camera { location <0, 1.6, -4> right 16/9*x up y angle 42 look_at <0, .9, 0> }
+camera { location <0, 1.8, -6> right 16/9*x up y angle 42 look_at <0, .9, 0> }
 light_source { <-5, 7, -4>, rgb .8 }
 light_source { <6, 4, -3>, rgb <.3, .35, .45> }
 sky_sphere { pigment { gradient y color_map { [0 rgb .1] [.5 rgb <.3, .33, .38>] [1 rgb <.7, .75, .85>] } scale 2 translate -y } }

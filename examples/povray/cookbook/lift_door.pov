@@ -7,16 +7,16 @@
 #include "mdf_metals.inc"
 global_settings { assumed_gamma 1 }
 
-camera { location <-.75, 1.5, -4.2> right 16/9*x up y angle 48 look_at <.1, 1.15, 0> }
-sky_sphere { pigment { gradient y color_map { [0 rgb .08] [.5 rgb .14] [1 rgb .22] } scale 2 translate -y } }
+camera { location <-.75, 1.5, -4.2> right 16/9*x up y angle 60 look_at <.15, 1.2, 0> }
+sky_sphere { pigment { gradient y color_map { [0 rgb .12] [.5 rgb .3] [1 rgb .45] } scale 2 translate -y } }
 #declare Panel = finish { ambient 0 diffuse 0 emission 1 }
 box { <-1.2, 3.2, -3.2>, <-.2, 3.22, -.6> pigment { rgb <5, 4.7, 4.2> } finish { Panel } } // lamps in the ceiling
 box { <.6, 3.2, -3.2>, <1.6, 3.22, -.6> pigment { rgb <5, 4.7, 4.2> } finish { Panel } }
-box { <3.2, 0, -5>, <3.3, 2.4, -2.5> pigment { rgb <1.2, 1.6, 2.2> } finish { Panel } } // a window
+box { <-4, 1.6, -7.1>, <5, 2.7, -7> pigment { rgb <1.1, 1.3, 1.6> } finish { Panel } } // a window behind
 light_source { <.2, 3.1, -2>, rgb .5 area_light 2*x, 2*z, 4, 4 adaptive 1 shadowless }
 
 // A texture that is turned turns its strokes and its scratches: along u before, along v (upwards) after.
-#declare Steel = finish { MDF_F_Brushed_Steel mdf { scratches { mm_per_unit 1000 } reflection { samples 16 clamp 8 } } }
+#declare Steel = finish { MDF_F_Brushed_Steel mdf { scratches { mm_per_unit 1000 } reflection { samples 32 clamp 8 } } }
 #declare Upwards = texture { pigment { rgb 0 } finish { Steel } rotate 90*z }
 #declare Along = texture { pigment { rgb 0 } finish { Steel } }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Radiosity: no lamp, a window lights the room. Metal and cloth take their share of what is gathered, and throw
-// light of their colour on the wall.
+// Radiosity: no lamp, a window lights the room. Metal shows it by rays of its own, cloth takes its share of
+// what is gathered.
 //
 //   build/povray/povray +Iexamples/povray/cookbook/radiosity.pov +Obuild/radiosity.png +W640 +H360 +A0.3 +AM2
 #version 3.7;
@@ -9,7 +9,7 @@
 #include "mdf_fabrics.inc"
 global_settings {
   assumed_gamma 1 max_trace_level 6
-  radiosity { pretrace_start .08 pretrace_end .02 count 120 nearest_count 8 error_bound .5 recursion_limit 2 }
+  radiosity { pretrace_start .08 pretrace_end .01 count 200 nearest_count 12 error_bound .3 recursion_limit 2 }
 }
 
 camera { location <0, 1.6, -5> right 16/9*x up y angle 50 look_at <0, .95, 0> }

@@ -7,7 +7,7 @@
 #include "mdf_metals.inc"
 global_settings { assumed_gamma 1 }
 
-camera { location <.6, 5.2, -3.6> right 16/9*x up y angle 34 look_at <0, 0, .05> }
+camera { location <.6, 5.2, -3.6> right 16/9*x up y angle 40 look_at <0, 0, -.05> }
 light_source { <-4, 7, 3>, rgb .7 area_light 2*x, 2*z, 3, 3 adaptive 1 }
 sky_sphere { pigment { gradient y color_map { [0 rgb .06] [.5 rgb <.22, .24, .28>] [1 rgb <.5, .55, .65>] } scale 2 translate -y } }
 box { <-4, 5.5, 3>, <-1, 5.6, 6> pigment { rgb 2.6 } finish { ambient 0 diffuse 0 emission 1 } }
@@ -31,7 +31,7 @@ difference {
 #end
 #for (Hour, 0, 11) Stick(.98, 1.2, .05, 30*Hour) #end
 Stick(-.2, .7, .07, -55)
-union { Stick(-.2, 1.05, .05, 60) translate .03*y }
+object { Stick(-.2, 1.05, .05, 60) translate .03*y }
 cylinder { 0, .09*y, .07 texture { pigment { rgb 0 } finish { Turned } } }
 
 plane { y, -.15 pigment { rgb <.10, .07, .05> } finish { ambient .1 diffuse .6 } }
