@@ -8,7 +8,7 @@ import pytest
 COST = 0.1
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGES = sorted((ROOT / "docs").glob("*.md"))
+PAGES = sorted((ROOT / "docs").rglob("*.md"))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -26,7 +26,7 @@ def test_named_tests_exist(page):
 @pytest.mark.parametrize("page", ("blender", "povray"))
 def test_the_way_of_a_sample_can_be_followed(page):
     """Each step names a function and its file; native/ is the add-on's, source/ is POV-Ray's."""
-    page = (ROOT / f"docs/{page}.md").read_text().split("## How a sample travels")[1]
+    page = (ROOT / f"docs/develop/architecture-{page}.md").read_text()
     steps = re.findall(r"`([\w.:]+)`\s+(?:in\s+|\()([\w/]+\.\w+)", page)
     assert len(steps) == len(re.findall("`[^`]+`", page)) > 4
     for function, file in steps:
@@ -40,6 +40,6 @@ def test_the_way_of_a_sample_can_be_followed(page):
 def test_every_printed_formula_is_listed():
     """A test of a printed formula that the page does not mention is of no use to its reader."""
     source = (ROOT / "libshade/test/test_papers.c").read_text()
-    page = (ROOT / "docs/papers.md").read_text()
+    page = (ROOT / "docs/theory/papers.md").read_text()
     for function in re.findall(r"cmocka_unit_test\((\w+)\)", source):
         assert f"`test_papers.c:{function}`" in page

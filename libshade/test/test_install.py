@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make install`: what it puts where, that Python finds what is for it, that the programs of docs/library.md compile against it by its commands, the interface, manual pages."""
+"""`make install`: what it puts where, that Python finds what is for it, that the programs of the manual compile against it by its commands, the interface, manual pages."""
 import math
 import os
 import pathlib
@@ -138,14 +138,19 @@ def test_exports(prefix):
     assert all(name.startswith(("libm.", "libc.")) for name in needed), needed
 
 
-def programs(section):
-    text = (ROOT / "docs/library.md").read_text().split("\n## ")[section]
+def programs(*pages):
+    """Of C, of pages of the manual."""
+    text = "\n".join((ROOT / f"docs/{page}.md").read_text() for page in pages)
     return re.findall(r"^```c\n(.*?)^```$", text, flags=re.S | re.M)
+
+
+FIRST = programs("start/c", "library/guide")
+COOKBOOK = programs("library/cookbook")
 
 
 def blocks(kind):
     """What the page prints of that kind about building."""
-    text = (ROOT / "docs/library.md").read_text().split("\n## Building against it")[1]
+    text = (ROOT / "docs/library/guide.md").read_text().split("\n## Build against it")[1].split("\n## ")[0]
     return re.findall(rf"^```{kind}\n(.*?)^```$", text, flags=re.S | re.M)
 
 
@@ -153,7 +158,7 @@ LINKINGS = ("shared", "static", "c++", "cmake", "go")
 
 
 def run_program(source, prefix, folder, linking):
-    """Compiles a program of docs/library.md against what is installed, by its own command, without a warning; what it prints."""
+    """Compiles a program of the manual against what is installed, by its own command, without a warning; what it prints."""
     (folder / "program.c").write_text(source)
     environment = dict(PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"), LD_LIBRARY_PATH=str(prefix / "lib"), PREFIX=str(prefix),
                        CFLAGS="-std=c11 -Wall -Wextra -Wconversion -Werror")
@@ -168,7 +173,7 @@ def run_program(source, prefix, folder, linking):
 
 
 def brdf_at(half):
-    """f of the programs of docs/library.md at a half vector that lies `half` radians along x from n, by hand.
+    """f of the programs of the manual at a half vector that lies `half` radians along x from n, by hand.
 
     The default horizon has nothing to bend here (the mirror image of wo is 57 degrees from z),
     and fades light along n, of slope 3/4, by Smith's shadow for alpha^2 = (3/4)^2/8."""
@@ -180,8 +185,8 @@ def brdf_at(half):
 @pytest.mark.parametrize("linking", ["shared", "static", "c++"])
 @pytest.mark.parametrize("which", [0, 1])
 def test_library_page_programs(prefix, tmp_path, which, linking):
-    assert len(programs(0)) == 2
-    source = programs(0)[which]
+    assert len(FIRST) == 2
+    source = FIRST[which]
     body = source.split("int main(void) {\n")[1].split("\n}")[0].splitlines()
     assert len(body) <= 15, "the page promises a few lines"
     out = run_program(source, prefix, tmp_path, linking)
@@ -200,12 +205,12 @@ def test_cmake_package(prefix, tmp_path):
     shutil.copytree(prefix, moved, symlinks=True)
     text, = blocks("cmake")
     (tmp_path / "CMakeLists.txt").write_text(text)
-    out = run_program(programs(0)[0], moved, tmp_path, "cmake")
-    assert out == run_program(programs(0)[0], prefix, tmp_path, "shared")
+    out = run_program(FIRST[0], moved, tmp_path, "cmake")
+    assert out == run_program(FIRST[0], prefix, tmp_path, "shared")
     assert str(moved / "lib") in run("readelf", "-d", tmp_path / "made/program")
     # the other library, and what the page's versions are good for
     (tmp_path / "CMakeLists.txt").write_text(text.replace("libshade::libshade m", "libshade::static"))
-    assert run_program(programs(0)[0], moved, tmp_path, "cmake") == out
+    assert run_program(FIRST[0], moved, tmp_path, "cmake") == out
     assert "libshade" not in run("readelf", "-d", tmp_path / "made/program")
     major, minor, _ = version().split(".")
     for asked, fits in ((f"{major}.{minor}", 1), (version(), 1), (f"{major}.{int(minor) + 1}", 0), (f"{major}.{minor}.99", 0)):
@@ -225,7 +230,7 @@ def test_go_by_cgo(prefix, tmp_path):
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin/go").symlink_to(go)
     (tmp_path / "program.go").write_text(blocks("go")[0])
-    source = programs(0)[0]
+    source = FIRST[0]
     folder = tmp_path / "c"
     folder.mkdir()
     want = run_program(source, prefix, folder, "shared")
@@ -259,7 +264,7 @@ def answers(command, queries):
 @pytest.mark.parametrize("linking", ["shared", "c++"])
 def test_library_page_path_tracer(prefix, tmp_path, linking):
     """Light of its lamp, by the reference over a lattice in it."""
-    source, = programs(1)
+    source = COOKBOOK[0]
     out = run_program(source, prefix, tmp_path, linking)
     rings, spokes, queries = 60, 90, []
     for i in range(rings * spokes):
@@ -275,7 +280,7 @@ def test_library_page_path_tracer(prefix, tmp_path, linking):
 
 def test_library_page_cloth(prefix, tmp_path):
     """As one call for each light says, and as much of a white sky as a lattice over it."""
-    source, = programs(2)
+    source = COOKBOOK[1]
     out = [float(x) for x in run_program(source, prefix, tmp_path, "shared")]
     ends, picks = (float(re.search(rf"([\d.]+) {what}", run(ROOT / "build/shade", "presets", "denim"))[1])
                    for what in ("ends", "picks"))

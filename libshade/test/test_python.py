@@ -79,10 +79,10 @@ def test_no_library(name, says):
 
 
 def test_page_examples():
-    """The examples of docs/python.md, in order, in one session."""
-    page = (ROOT / "docs/python.md").read_text(encoding="utf-8")
+    """The examples of docs/library/python.md, in order, in one session."""
+    page = (ROOT / "docs/library/python.md").read_text(encoding="utf-8")
     blocks = "\n".join(re.findall(r"^```python\n(.*?)^```$", page, flags=re.S | re.M))
-    parsed = doctest.DocTestParser().get_doctest(blocks, {}, "python.md", "docs/python.md", 0)
+    parsed = doctest.DocTestParser().get_doctest(blocks, {}, "python.md", "docs/library/python.md", 0)
     assert len(parsed.examples) > 20
     assert doctest.DocTestRunner().run(parsed).failed == 0
 
