@@ -7,7 +7,7 @@
 #include "mdf_fabrics.inc"
 global_settings { assumed_gamma 1 }
 
-camera { location <0, 3.4, -7> right 16/9*x up y angle 44 look_at <0, .3, .3> }
+camera { location <0, 3.4, -7> right 16/9*x up y angle 49 look_at <0, .3, .3> }
 light_source { <-5, 8, -5>, rgb 1.5 area_light 2*x, 2*z, 3, 3 adaptive 1 }
 light_source { <6, 4, -4>, rgb <.22, .26, .33> shadowless }
 sky_sphere { pigment { rgb .2 } }
