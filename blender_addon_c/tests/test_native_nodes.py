@@ -14,7 +14,7 @@ import pytest
 from native_scenes import (ROOT, dump, image, material, mesh, native, ortho, persp, registers, render, scene, square, sun,
                            unit, vectors)
 
-COST = 3.4
+COST = 3.5
 
 KINDS = native.table()["nodes"]
 COLORS = np.random.default_rng(3).random((5, 7, 3), np.float32)

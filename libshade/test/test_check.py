@@ -11,7 +11,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-COST = 48
+COST = 46.5
 
 ROOT = Path(__file__).resolve().parents[2]
 SHADE = Path(os.environ.get("SHADE", ROOT / "build/shade"))
@@ -166,8 +166,9 @@ def test_varied_passes(varied):
 
 @pytest.mark.parametrize("channel", VARIED)
 def test_each_varied_channel_matters(few_varied, tmp_path, channel):
-    """One channel that is another hit's."""
-    assert check(few_varied).returncode == 0
+    """One channel that is another hit's; as it is, the dump is right."""
+    if channel == VARIED[0]:
+        assert check(few_varied).returncode == 0
     dump = Dump(few_varied)
     hit = dump["material.ID"] >= 0
     both = hit & np.roll(hit, 7, axis=0)

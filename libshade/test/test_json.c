@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* COST = 0.1 */
+/* COST = 0.3 */
 /* The JSON reader: what RFC 8259 allows is read, all else is refused with its place. */
 #include "tool/json.h"
 #include "tool/work.h"
