@@ -15,7 +15,7 @@ import time
 import OpenImageIO as oiio
 import pytest
 
-COST = 5.3
+COST = 5.2
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
@@ -152,7 +152,7 @@ RANGES = [  # what is just refused, and what is just taken; a person's
     (("scratch", "--eval"), "--threads", [0, 257], [1, 256]), (("scratch", "--eval"), "--pits", [-1, 4000001], [0]),
     (("scratch", "--eval"), "--seed", [-1, 2**64], [0, 2**64 - 1]), (("scratch", "--eval"), "--bits", [7, 9, 17, 32], []),
     (("slopes", "MAP"), "--strength", [-.1, 100.1], []), (("slopes", "MAP"), "--lobes", [0, 9], []),
-    (("slopes", "MAP", "--ey", 5), "--ex", [-1, 1.1e6], [1e6]), (("slopes", "MAP", "--ay", 1), "--ax", [.00009, 10.1], [.0001]),
+    (("slopes", "MAP", "--ey", 5), "--ex", [-1, 1.1e6], []), (("slopes", "MAP", "--ay", 1), "--ax", [.00009, 10.1], []),
     (("weave", "--name", "plain"), "--curve", [-.01, .981], [0, .98]), (("weave", "--name", "plain"), "--slant", [-101, 101], [-100, 100]),
     (("weave", "--name", "plain"), "--seed", [-1, 2**32], [0, 2**32 - 1]),
     (("weave", "--name", "plain"), "--threads", [0, 257], [1, 256]), (("weave", "--name", "plain"), "--bits", [7, 12, 32], [8, 16]),
