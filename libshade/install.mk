@@ -39,7 +39,7 @@ ABI := $(L)/abi/libshade.abi
 .PHONY: abi
 abi: $(B)/$(SHADE_SHARED)
 	@abidw --headers-dir $(L)/include/shade --drop-private-types --no-comp-dir-path --no-corpus-path --no-show-locs \
-	  --type-id-style hash $< | sed '1a <!-- SPDX-License-Identifier: Apache-2.0 -->' >$(ABI)
+	  --type-id-style hash $< | sed '1a <!-- SPDX-License''-Identifier: Apache-2.0 -->' >$(ABI)
 
 INSTALLED_HEADERS := $(wildcard $(L)/include/shade/*.h)
 INSTALLED_MAN1 := $(wildcard $(L)/man/*.1)

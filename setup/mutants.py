@@ -18,7 +18,8 @@ A list is made of blocks, parted by empty lines; # begins a comment:
     libshade/src/dispatch.c          the file
     - *status |= found;              a line of it, or several; they must occur there once
     + *status = found;               what stands there instead; none: they are left out
-    $ c bsdf sample                  who ought to notice, one or more of:
+    $ c bsdf sample                  who ought to notice, one or more of; none: all tests that reach the file
+                                     (setup/reach.py), the cheapest first:
 
     $ c NAME …       programs of libshade/test
     $ py ARGUMENTS   pytest on libshade and compare; words may be quoted, as in a shell
@@ -41,6 +42,8 @@ import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
+
+import reach
 
 ROOT = Path(__file__).resolve().parent.parent
 SECONDS = 300
@@ -80,9 +83,9 @@ def read_list(path):
             if text[:1] not in parts or text[1:2] not in ("", " "):
                 raise ValueError(f"{path}:{at}: a line begins with '- ', '+ ' or '$ ', this one does not")
             parts[text[0]].append(text[2:])
-        if not parts["-"] or not parts["$"]:
-            raise ValueError(f"{path}:{number}: needs lines that begin with '- ' and with '$ '")
-        mutants.append(Mutant(number, file, "\n".join(parts["-"]), "\n".join(parts["+"]), parts["$"]))
+        if not parts["-"]:
+            raise ValueError(f"{path}:{number}: needs lines that begin with '- '")
+        mutants.append(Mutant(number, file, "\n".join(parts["-"]), "\n".join(parts["+"]), parts["$"] or reach.tests(file)))
         block.clear()
 
     for at, text in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):

@@ -78,6 +78,8 @@ def change(path, value):
         (("camera", "type"), "PANO", "camera: panorama is missing"),
         (("camera", "matrix"), [0.0] * 16, "camera: matrix must be invertible"),
         (("camera", "clip"), (2, 1), "camera: clip must be"),
+        (("camera", "clip"), (2, 2), "camera: clip must be"),
+        (("camera", "clip"), (0, 0), "camera: clip must be"),
         (("camera", "lens"), (-1, 1), "camera: focus is missing"),
         (("pixel_filter_type",), "MITCHELL", "pixel_filter_type must be one of BLACKMAN_HARRIS, "),
         (("time_limit",), float("nan"), "time_limit must be"),

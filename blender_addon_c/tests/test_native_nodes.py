@@ -14,7 +14,7 @@ import pytest
 from native_scenes import (ROOT, dump, image, material, mesh, native, ortho, persp, registers, render, scene, square, sun,
                            unit, vectors)
 
-COST = 3.4
+COST = 3.5
 
 KINDS = native.table()["nodes"]
 COLORS = np.random.default_rng(3).random((5, 7, 3), np.float32)
@@ -193,6 +193,71 @@ def test_what_it_says_of_a_plate(kind, tmp_path):
     channels = ("Ns", "XYZ") if kind in NORMALS else ("Color", "RGB")
     expected = truth(planes["uv.U"].astype(float), planes["uv.V"].astype(float))
     np.testing.assert_allclose(vectors(planes, *channels), expected, atol=error)
+
+
+# What Blender's nodes say where it is awkward: (operation, a, b, c) and the value, by Blender's manual and its formulas.
+MATHS = [
+    ("ADD", 1.5, -4, 0, -2.5), ("SUBTRACT", -1, 2, 0, -3), ("MULTIPLY", -2, 3, 0, -6), ("MULTIPLY_ADD", -2, 3, 10, 4),
+    ("DIVIDE", 1, 0, 0, 0), ("DIVIDE", -1, -4, 0, 0.25), ("DIVIDE", 0, 0, 0, 0),
+    ("POWER", -2, 3, 0, -8), ("POWER", -2, 2, 0, 4), ("POWER", -2, -3, 0, -0.125), ("POWER", -2, 0.5, 0, 0), ("POWER", 0, 0, 0, 1),
+    ("POWER", -1, 5, 0, -1), ("POWER", -3, 1, 0, -3), ("POWER", 0, 2, 0, 0), ("POWER", 4, -0.5, 0, 0.5), ("POWER", -2, 0, 0, 1),
+    ("LOGARITHM", 8, 2, 0, 3), ("LOGARITHM", -8, 2, 0, 0), ("LOGARITHM", 8, -2, 0, 0), ("LOGARITHM", 8, 1, 0, 0),
+    ("LOGARITHM", 0.25, 2, 0, -2), ("LOGARITHM", 0, 2, 0, 0), ("SQRT", -4, 0, 0, 0), ("SQRT", 9, 0, 0, 3), ("SQRT", 0, 0, 0, 0),
+    ("INVERSE_SQRT", 4, 0, 0, 0.5), ("INVERSE_SQRT", 0, 0, 0, 0), ("INVERSE_SQRT", -4, 0, 0, 0), ("ABSOLUTE", -3, 0, 0, 3),
+    ("EXPONENT", 1, 0, 0, 2.7182818), ("EXPONENT", -1, 0, 0, 0.36787944), ("EXPONENT", -90, 0, 0, 0),
+    ("MINIMUM", -1, 2, 0, -1), ("MINIMUM", 3, 2, 0, 2), ("MAXIMUM", -1, 2, 0, 2), ("MAXIMUM", 3, 2, 0, 3),
+    ("LESS_THAN", 1, 1, 0, 0), ("LESS_THAN", -2, 1, 0, 1), ("GREATER_THAN", 1, 1, 0, 0), ("GREATER_THAN", 2, 1, 0, 1),
+    ("SIGN", -2, 0, 0, -1), ("SIGN", 0, 0, 0, 0), ("SIGN", 5, 0, 0, 1),
+    ("COMPARE", 1, 2, 0.5, 0), ("COMPARE", 1, 2, 1, 1), ("COMPARE", 1, 1, 0, 1), ("COMPARE", 2, 1, 1.5, 1), ("COMPARE", 1, 1, -1, 1),
+    ("SMOOTH_MIN", 1, 2, 0, 1), ("SMOOTH_MIN", 1, 1, 3, 0.5), ("SMOOTH_MIN", 5, 2, 1, 2), ("SMOOTH_MAX", 1, 1, 3, 1.5),
+    ("SMOOTH_MAX", 1, 2, 0, 2), ("SMOOTH_MAX", -5, 2, 1, 2),
+    ("ROUND", -1.6, 0, 0, -2), ("ROUND", 1.5, 0, 0, 2), ("ROUND", -0.4, 0, 0, 0), ("FLOOR", -1.2, 0, 0, -2), ("FLOOR", 1.8, 0, 0, 1),
+    ("CEIL", -1.2, 0, 0, -1), ("CEIL", 1.2, 0, 0, 2), ("TRUNC", -1.7, 0, 0, -1), ("TRUNC", 1.7, 0, 0, 1), ("TRUNC", -0.5, 0, 0, 0),
+    ("FRACT", -1.25, 0, 0, 0.75), ("FRACT", 1.25, 0, 0, 0.25),
+    ("MODULO", -5.5, 3, 0, -2.5), ("MODULO", 5.5, -3, 0, 2.5), ("MODULO", 5.5, 0, 0, 0), ("MODULO", -5.5, -3, 0, -2.5),
+    ("FLOORED_MODULO", -5.5, 3, 0, 0.5), ("FLOORED_MODULO", 5.5, -3, 0, -0.5), ("FLOORED_MODULO", 5.5, 0, 0, 0),
+    ("WRAP", 5.5, 3, 1, 1.5), ("WRAP", -0.5, 3, 1, 1.5), ("WRAP", 5, 2, 2, 2), ("SNAP", -2.3, 0.5, 0, -2.5), ("SNAP", 2.3, 0, 0, 0),
+    ("SNAP", 2.3, 0.5, 0, 2), ("PINGPONG", 2.5, 1, 0, 0.5), ("PINGPONG", -0.25, 1, 0, 0.25), ("PINGPONG", 2, 0, 0, 0),
+    ("PINGPONG", 1.25, 1, 0, 0.75), ("SINE", -1.5707963, 0, 0, -1), ("SINE", 100, 0, 0, -0.5063656), ("COSINE", 3.1415927, 0, 0, -1),
+    ("COSINE", -1, 0, 0, 0.5403023), ("TANGENT", -0.7853982, 0, 0, -1), ("TANGENT", 2.3561945, 0, 0, -1),
+    ("ARCSINE", 2, 0, 0, 1.5707963), ("ARCSINE", -2, 0, 0, -1.5707963), ("ARCSINE", -0.5, 0, 0, -0.5235988),
+    ("ARCCOSINE", 2, 0, 0, 0), ("ARCCOSINE", -2, 0, 0, 3.1415927), ("ARCCOSINE", -0.5, 0, 0, 2.0943951), ("ARCCOSINE", 1, 0, 0, 0),
+    ("ARCTANGENT", -1, 0, 0, -0.7853982), ("ARCTANGENT", 1e6, 0, 0, 1.5707953), ("ARCTAN2", 1, -1, 0, 2.3561945),
+    ("ARCTAN2", -1, -1, 0, -2.3561945), ("ARCTAN2", 0, 0, 0, 0), ("ARCTAN2", -2, 0, 0, -1.5707963),
+    ("SINH", -1, 0, 0, -1.1752012), ("COSH", -1, 0, 0, 1.5430806), ("TANH", -1, 0, 0, -0.7615942), ("TANH", 50, 0, 0, 1),
+    ("TANH", -50, 0, 0, -1), ("RADIANS", -180, 0, 0, -3.1415927), ("DEGREES", -3.1415927, 0, 0, -180),
+    ("MIX", -1, 3, 2, 7), ("MIX", -1, 3, -0.5, -3), ("CLAMP", 5, -1, 2, 2), ("CLAMP", -5, -1, 2, -1), ("CLAMP", 0.5, -1, 2, 0.5)]
+# (mode, factor, a, b) and the value
+MIXES = [
+    ("MIX", 0.25, 4, -4, 2), ("DARKEN", 0.5, 1, -1, 0), ("DARKEN", 0.5, -1, 1, -1), ("LIGHTEN", 0.5, -1, 1, 0), ("LIGHTEN", 0.5, 2, 1, 2),
+    ("MULTIPLY", 0.5, 2, 3, 4), ("MULTIPLY", 1, -2, 3, -6), ("BURN", 1, 0.5, 0, 0), ("BURN", 1, 3, 0.5, 1), ("BURN", 1, 0.75, 0.5, 0.5),
+    ("BURN", 1, 0.25, 0.5, 0), ("BURN", 0, 0.25, 0.5, 0.25), ("SCREEN", 1, 0.5, 0.5, 0.75), ("SCREEN", 0.5, 0.5, 0.5, 0.625),
+    ("SCREEN", 1, 2, 3, -1), ("DODGE", 1, 0.25, 0.5, 0.5), ("DODGE", 1, 0.75, 0.5, 1), ("DODGE", 1, 3, 0.5, 1), ("DODGE", 1, 0, 2, 0),
+    ("DODGE", 1, 0.5, 1, 1), ("DODGE", 1, 0.25, 2, 1), ("DODGE", 0.5, 0.25, 1, 0.5), ("ADD", 0.5, 1, -4, -1), ("SUBTRACT", 0.5, 1, 4, -1),
+    ("OVERLAY", 1, 0.25, 0.5, 0.25), ("OVERLAY", 1, 0.75, 0.25, 0.625), ("OVERLAY", 0, 0.75, 0.25, 0.75), ("OVERLAY", 1, 0.5, 0.25, 0.25),
+    ("SOFT_LIGHT", 1, 0.5, 0.5, 0.5), ("SOFT_LIGHT", 0.5, 0.25, 0.75, 0.296875), ("LINEAR_LIGHT", 1, 0.5, 0.25, 0),
+    ("LINEAR_LIGHT", 0.5, -1, 2, 0.5), ("DIFFERENCE", 1, 1, 3, 2), ("DIFFERENCE", 0.5, 3, 1, 2.5), ("EXCLUSION", 1, 0.5, 0.25, 0.5),
+    ("EXCLUSION", 1, 2, 2, 0), ("EXCLUSION", 0.5, 1, 0, 1), ("DIVIDE", 1, 3, 0, 3), ("DIVIDE", 0.5, 2, -4, 0.75)]
+
+
+def test_awkward_numbers_of_math_and_mix():
+    """A quad of its own for each, which shines by the value and 200."""
+    nodes = [({"type": "MATH", "operation": word, "a": [float(a)], "b": [float(b)], "c": [float(c)]}, want, (word, a, b, c))
+             for word, a, b, c, want in MATHS]
+    nodes += [({"type": "MIX", "mode": word, "factor": [float(t)], "a": [float(a)], "b": [float(b)]}, want, (word, t, a, b))
+              for word, t, a, b, want in MIXES]
+    more = {"type": "MATH", "operation": "ADD", "a": OUT[:1], "b": [200.0], "c": [0.0], "out": OUT[1:2]}
+    materials = [{"name": str(k), "closure": "EMISSION", "weight": OUT[1:2] * 3, "nodes": [{**node, "out": OUT[:1]}, more]}
+                 for k, (node, _want, _what) in enumerate(nodes)]
+    count = len(nodes)
+    corners = np.array([(-1 / count, -2, 0), (1 / count, -2, 0), (1 / count, 2, 0), (-1 / count, 2, 0)])
+    plates = mesh(np.concatenate([corners + ((2 * k + 1) / count - 1, 0, 0) for k in range(count)]),
+                  [t for k in range(0, 4 * count, 4) for t in ([k, k + 1, k + 2], [k, k + 2, k + 3])],
+                  materials=np.repeat(np.arange(count), 2))
+    made = scene(meshes=[plates], materials=materials, lights=[], samples=1, width=count, height=1)
+    said = render(made)[0][0, :, 0].astype(float) - 200
+    wrong = [(what, want, value) for (_node, want, what), value in zip(nodes, said) if not abs(value - want) < 6e-5 + 2e-5 * abs(want)]
+    assert not wrong
 
 
 def test_heights_and_mask_of_scratches(tmp_path):

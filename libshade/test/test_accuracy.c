@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* COST = 8.0 */
+/* COST = 6.4 */
 /*
  * Every distribution and instruction set against the reference, at the bounds that the traits of
  * its file model/mdf_<word>.h state, and model/methods.h for the warps: D > 1e-12 of the peak,

@@ -10,7 +10,7 @@ import sys
 
 import pytest
 
-COST = 6
+COST = 5
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))

@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* COST = 0.1 */
+/* COST = 0.3 */
 /* The JSON reader: what RFC 8259 allows is read, all else is refused with its place. */
 #include "tool/json.h"
+#include "tool/work.h"
+
+#include "shade/shade.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -177,11 +181,66 @@ static void test_print(void **state) {
   assert_string_equal(text, "\"a\\\"\\\\\\u000a\xc3\xa9%s\"");
 }
 
+/* As where numbers have a comma: that library's own, for this program. */
+static int commas;
+
+int snprintf(char *restrict text, size_t size, const char *restrict format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  const int length = vsnprintf(text, size, format, arguments);
+  va_end(arguments);
+  if (commas && !strcmp(format, "%.17g"))
+    for (char *c = text; *c; c++)
+      *c = *c == '.' ? ',' : *c;
+  return length;
+}
+
+static void test_commas(void **state) {
+  (void)state;
+  shade_params p;
+  char plain[4096], odd[4096];
+  shade_params_init(&p);
+  p.ex = 12.5;
+  shade_params_json(&p, 3, "name", plain, sizeof plain);
+  commas = 1;
+  shade_params_json(&p, 3, "name", odd, sizeof odd);
+  commas = 0;
+  assert_string_equal(plain, odd);
+  assert_non_null(strstr(odd, "12.5"));
+}
+
+/* More threads than processors: each step is taken, by one of them. */
+enum { STEPS = 200000 };
+static unsigned char taken[STEPS];
+
+static void take_one(void *context, int thread, size_t step) {
+  taken[step]++;
+  ((size_t *)context)[16 * thread]++;
+}
+
+static void test_share(void **state) {
+  (void)state;
+  static const int threads[] = {1, 2, 8, 31, 0, TOOL_MAX_THREADS + 5};
+  for (size_t k = 0; k < sizeof threads / sizeof *threads; k++) {
+    static size_t counts[16 * (TOOL_MAX_THREADS + 1)];
+    size_t sum = 0;
+    memset(taken, 0, sizeof taken);
+    memset(counts, 0, sizeof counts);
+    tool_share(threads[k], STEPS, take_one, counts, NULL, 0, 1);
+    for (size_t i = 0; i < STEPS; i++)
+      assert_int_equal(taken[i], 1);
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+      sum += counts[i];
+    assert_int_equal(sum, STEPS);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_values),     cmocka_unit_test(test_strings),
       cmocka_unit_test(test_refused),    cmocka_unit_test(test_depth),
       cmocka_unit_test(test_beginnings), cmocka_unit_test(test_print),
+      cmocka_unit_test(test_commas),     cmocka_unit_test(test_share),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

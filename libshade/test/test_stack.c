@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* COST = 0.3 */
+/* COST = 0.4 */
 /*
  * What stack a single call takes, as shade.h states it: each in a thread of 64 KiB whose stack is
  * painted before, with every choice of a material, prepared hits of cloth, and every instruction
@@ -54,14 +54,6 @@ CALL(density, pdf = shade_bsdf_pdf(&metal, n, wi, wo, s))
 CALL(densityf, pdff = shade_bsdf_pdff(&metal, nf, wif, wof, s))
 CALL(draw, *s = shade_bsdf_sample(&metal, n, wo, u, w, f, &pdf, &cosine))
 CALL(drawf, *s = shade_bsdf_samplef(&metal, nf, wof, uf, wf, ff, &pdff, &cosinef))
-CALL(hit_density, shade_bsdf_hit h; *s = shade_bsdf_prepare(&metal, n, wo, &h);
-     pdf = shade_bsdf_hit_pdf(&metal, &h, wi, s))
-CALL(hit_densityf, shade_bsdf_hitf h; *s = shade_bsdf_preparef(&metal, nf, wof, &h);
-     pdff = shade_bsdf_hit_pdff(&metal, &h, wif, s))
-CALL(hit_draw, shade_bsdf_hit h; *s = shade_bsdf_prepare(&metal, n, wo, &h);
-     *s |= shade_bsdf_hit_sample(&metal, &h, u, w, f, &pdf, &cosine))
-CALL(hit_drawf, shade_bsdf_hitf h; *s = shade_bsdf_preparef(&metal, nf, wof, &h);
-     *s |= shade_bsdf_hit_samplef(&metal, &h, uf, wf, ff, &pdff, &cosinef))
 CALL(vary, shade_bsdf one; *s = shade_bsdf_vary(&metal, &own, 0, &one);
      *s |= shade_bsdf_sample(&one, n, wo, u, w, f, &pdf, &cosine))
 CALL(varyf, shade_bsdf one; *s = shade_bsdf_varyf(&metal, &ownf, 0, &one);
@@ -91,10 +83,9 @@ typedef struct row {
 static const row of_cloth[] = {ROW(cloth_eval),     ROW(cloth_evalf),  ROW(cloth_density),
                                ROW(cloth_densityf), ROW(cloth_sample), ROW(cloth_samplef)};
 enum { CLOTHS = sizeof of_cloth / sizeof of_cloth[0] };
-static const row rows[] = {
-    ROW(mdf),         ROW(mdff),         ROW(eval),     ROW(evalf),     ROW(hit),     ROW(hitf),
-    ROW(density),     ROW(densityf),     ROW(draw),     ROW(drawf),     ROW(diffuse), ROW(diffusef),
-    ROW(hit_density), ROW(hit_densityf), ROW(hit_draw), ROW(hit_drawf), ROW(vary),    ROW(varyf)};
+static const row rows[] = {ROW(mdf),     ROW(mdff),     ROW(eval),     ROW(evalf), ROW(hit),
+                           ROW(hitf),    ROW(density),  ROW(densityf), ROW(draw),  ROW(drawf),
+                           ROW(diffuse), ROW(diffusef), ROW(vary),     ROW(varyf)};
 
 /* Bytes from the top of a thread's stack down to the lowest that was written. */
 static long touched(void *(*call)(void *)) {

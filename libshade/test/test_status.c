@@ -191,6 +191,16 @@ static void bits_are_added_to_those_of_the_caller(void **state) {
     assert_int_equal(status, bits | SHADE_CLAMPED_NORMAL);
     shade_bsdf_pdff(&b, badf, upf, upf, &status);
     assert_int_equal(status, bits | SHADE_CLAMPED_NORMAL | SHADE_BAD_INPUT);
+    status = bits;
+    shade_mdf_eval(&b, up, up, &status);
+    assert_int_equal(status, bits);
+    shade_mdf_eval(&b, n, up, &status);
+    assert_int_equal(status, bits | SHADE_CLAMPED_NORMAL);
+    status = bits;
+    shade_mdf_evalf(&b, upf, upf, &status);
+    assert_int_equal(status, bits);
+    shade_mdf_evalf(&b, nf, upf, &status);
+    assert_int_equal(status, bits | SHADE_CLAMPED_NORMAL);
   }
   /* and the calls that set things up add to what is there */
   shade_weave_params w;

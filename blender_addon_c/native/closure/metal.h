@@ -30,8 +30,8 @@ typedef struct closure_metal {
   shade_params params;
   shade_bsdf bsdf;
   operand f0[3], kd[3], f82[3], eta[3], k[3], ax, ay, groove[2], spread[2];
-  bool grooved, apart, spreads;
-  const float *albedo; /* of a lobe that loses light as it spreads, or NULL */
+  bool grooved, apart, spreads, facets; /* facets: the BRDF is microfacet */
+  const float *albedo;                  /* of a lobe that loses light as it spreads, or NULL */
   thin_film film;
   bool matt; /* an even matt body and no more, without bumps: most floors and walls */
   int normal[3];
@@ -133,11 +133,11 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g) {
     return false;
   if (!closure_metal_choices(r, &c->params) || !closure_metal_numbers(r, &c->params, &g->status))
     return false;
-  c->params.brdf = shade_params_brdf(&c->params);
-  c->apart = c->apart && !g->dump && c->params.brdf == SHADE_BRDF_MICROFACET &&
+  c->facets = shade_params_brdf(&c->params) == SHADE_BRDF_MICROFACET;
+  c->apart = c->apart && !g->dump && c->facets &&
              (c->params.mdf == SHADE_MDF_GGX || c->params.mdf == SHADE_MDF_BECKMANN);
-  if (c->spreads && c->params.mdf == SHADE_MDF_BECKMANN &&
-      c->params.brdf == SHADE_BRDF_MICROFACET && !albedo_table_make(ALBEDO_BECKMANN, &c->albedo))
+  if (c->spreads && c->params.mdf == SHADE_MDF_BECKMANN && c->facets &&
+      !albedo_table_make(ALBEDO_BECKMANN, &c->albedo))
     return reader_out_of_memory(r);
   g->status |= shade_bsdf_setup(&c->bsdf, &c->params);
   c->matt = c->params.fresnel == SHADE_FRESNEL_NONE && c->params.diffuse == SHADE_DIFFUSE_LAMBERT;
@@ -261,8 +261,7 @@ metal_lobe_of(const closure_metal *c, lane_run run, const surfaces *restrict at,
   const operand from[2] = {c->ax, c->ay};
   const double number[2] = {c->params.ax, c->params.ay};
   const bool cosines = c->params.mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
-  const bool facets = c->params.brdf == SHADE_BRDF_MICROFACET;
-  const float narrow = c->params.mdf != SHADE_MDF_BECKMANN ? 0.0f : facets ? 1.0f : 0.5f;
+  const float narrow = c->params.mdf != SHADE_MDF_BECKMANN ? 0.0f : c->facets ? 1.0f : 0.5f;
   float *share[2] = {given->constant[8], given->constant[9]};
   const bool wide = c->spreads && metal_spread(c, run, given, share[0], share[1]);
   metal_lobe lobe = {.kept = NULL};
@@ -275,7 +274,7 @@ metal_lobe_of(const closure_metal *c, lane_run run, const surfaces *restrict at,
     own[axis] = lobe.alpha[axis] = lane_of(given, alpha, 4 + axis, run);
     if (wide) {
       lobe.alpha[axis] = given->blurred[axis];
-      lobe.share[axis] = cosines && !facets ? share[axis] : NULL;
+      lobe.share[axis] = cosines && !c->facets ? share[axis] : NULL;
       if (cosines)
         metal_widen(true, narrow, run, own[axis], given->blurred[axis], share[axis]);
       else

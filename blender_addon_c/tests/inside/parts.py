@@ -227,6 +227,219 @@ def test_slubs_in_cycles():
     assert np.abs(seen - 0.25 * (np.floor(u) + across)).max() < 2e-3, (seen, u)
 
 
+# What an artist finds: default, least, most; a person's, and Cycles' own where it has the setting, but for six.
+SETTINGS = {
+    "samples": (64, 1, 1 << 16), "preview_samples": (8, 1, 1 << 16), "seed": (0, 0, 2**31 - 1), "max_bounces": (12, 0, 1024),
+    "diffuse_bounces": (4, 0, 1024), "glossy_bounces": (4, 0, 1024), "transmission_bounces": (12, 0, 1024),
+    "transparent_max_bounces": (8, 0, 1024), "sample_clamp_direct": (0, 0, 1e8), "sample_clamp_indirect": (10, 0, 1e8),
+    "light_sampling_threshold": (0.01, 0, 1), "caustics_reflective": True, "caustics_refractive": True, "blur_glossy": (1, 0, 10),
+    "texture_blur": (0.25, 0, 10), "filter_normals": True, "groove_transport": True, "pixel_filter_type": "BLACKMAN_HARRIS",
+    "filter_width": (1.5, 0.01, 10), "soft_terminator": True, "use_adaptive_sampling": False, "adaptive_threshold": (0.01, 0, 1),
+    "adaptive_min_samples": (0, 0, 4096), "use_denoising": False, "use_animated_seed": False, "time_limit": (0, 0, 1e6)}
+LAYER_SETTINGS = {"denoising_store_passes": False, "use_pass_shadow_catcher": False, "pass_debug_sample_count": False}
+UNLIKE_CYCLES = {"samples", "preview_samples", "use_adaptive_sampling", "use_denoising", "pass_debug_sample_count"}
+
+
+def test_defaults_and_ranges_of_settings():
+    scene = common.empty_scene()
+    for settings, table in ((scene.libshade, SETTINGS), (scene.view_layers[0].libshade, LAYER_SETTINGS)):
+        theirs = (scene if settings == scene.libshade else scene.view_layers[0]).cycles.bl_rna.properties
+        known = {name: p for name, p in settings.bl_rna.properties.items() if name not in ("rna_type", "name")}
+        assert set(known) == set(table), set(known) ^ set(table)
+        for name, wanted in table.items():
+            p = known[name]
+            found = (p.default, p.hard_min, p.hard_max) if isinstance(wanted, tuple) else p.default
+            assert np.allclose(found, wanted) if isinstance(wanted, tuple) else found == wanted, (name, found)
+            assert p.name and len(p.description) > 10 and not p.description.endswith("."), name
+            if name in theirs and name not in UNLIKE_CYCLES:
+                assert theirs[name].default == p.default, name
+
+
+# Of ours in the menus: those that change nothing in the file, which need no undo
+UNDONE_BY_NOTHING = {"libshade.save_scene", "libshade.add_assets", "libshade.remove_assets"}
+
+
+def test_operators_are_undone():
+    common.enable()
+    words = {f"libshade.{name}" for name in dir(bpy.ops.libshade)}
+    assert len(words) > 12 and words >= UNDONE_BY_NOTHING
+    for word in words:
+        operator = getattr(bpy.types, word.replace("libshade.", "LIBSHADE_OT_"))
+        assert operator.__doc__, word
+        assert ("UNDO" in getattr(operator, "bl_options", ())) == (word not in UNDONE_BY_NOTHING), word
+
+
+def test_what_is_undone_is_read_again():
+    kept, nodes = module("export.kept"), module("nodes")
+    for when in ("undo_post", "redo_post", "load_post"):
+        assert kept._forget in getattr(bpy.app.handlers, when), when
+    for when in ("undo_pre", "redo_pre", "load_pre"):
+        assert nodes._forget_followed in getattr(bpy.app.handlers, when), when
+    one = kept.Kept()
+    one.begin()
+    one._images["a"] = one._meshes["b"] = None
+    one.begin()
+    assert one._images and one._meshes
+    kept._forget()
+    one.begin()
+    assert not one._images and not one._meshes
+
+
+def test_what_makes_another_image():
+    """Everything of an image that changes what is read of it."""
+    kept = module("export.kept")
+    image = bpy.data.images.new("about", 4, 4)
+    told = [kept._about(image, None)]
+    for word, value in (("alpha_mode", "PREMUL"), ("alpha_mode", "CHANNEL_PACKED"), ("generated_type", "UV_GRID"),
+                        ("generated_color", (1, 0.5, 0, 1)), ("generated_width", 8), ("generated_height", 16),
+                        ("use_generated_float", True), ("source", "FILE"), ("filepath", "//elsewhere.png")):
+        setattr(image, word, value)
+        told.append(kept._about(image, None))
+    image.source = "GENERATED"
+    image.colorspace_settings.name = "Non-Color"
+    told.append(kept._about(image, None))
+    assert len(set(told)) == len(told), told
+    path = os.path.join(folder, "about")
+    for k, size in enumerate((1, 2)):
+        with open(path, "wb") as file:
+            file.write(b"x" * size)
+        os.utime(path, (k, k))
+        told.append(kept._about(image, path))
+    assert told[-1] != told[-2]
+
+
+def test_many_sets_of_lights():
+    """Thirty sets are bits of a number of 32; the others light all, and each is named."""
+    told = module("export.messages").Messages()
+    sets = module("export.light")._Sets("link", "receiver", "light linking", "it lights all", told)
+    lamps = []
+    if bpy.app.version < (4, 0):
+        return
+    for k in range(40):
+        collection = bpy.data.collections.new(f"set {k}")
+        lamp = SimpleNamespace(type="LIGHT", name=f"lamp {k}")
+        lamp.original = SimpleNamespace(light_linking=SimpleNamespace(receiver_collection=collection))
+        lamps.append(sets.of_light(lamp))
+    assert lamps == [{"link": k} if k < 30 else {} for k in range(40)], lamps
+    assert len(told.warnings) == 10 and all(f"'lamp {k}'" in "".join(told.warnings) for k in range(30, 40))
+    # each for one of 30 objects alone: that object gets it, and no other
+    objects = [bpy.data.objects.new(f"lit {k}", None) for k in range(31)]
+    for some, ob in zip(sets._some, objects):
+        some.add(ob)
+    for k, ob in enumerate(objects):
+        assert sets.of_object(ob, None) == (2**30 - 1) & ~(1 << k), k
+
+
+def test_what_the_status_line_says():
+    """The time that is left, not all of it, falls; none before there is something to tell it by."""
+    engine = module("engine")
+    now, state = [100.0], {"stage": "build", "memory": 3 << 20, "memory_peak": 5 << 20, "sample": 0, "samples": 64, "progress": 0.0}
+    clock, engine.time = engine.time, SimpleNamespace(perf_counter=lambda: now[0])
+    try:
+        status = engine._Status()
+        assert status.text(state) == "Mem:3.00M, Peak:5.00M | Building the BVH" and status.text(state) == ""
+        state["stage"] = "render"
+        assert status.text(state) == "Mem:3.00M, Peak:5.00M | Rendering | Sample 0/64"
+        for seconds, done, left in ((110, 0.1, "01:30"), (150, 0.5, "00:50"), (180, 0.8, "00:20"), (7300, 0.5, "2:00:00")):
+            now[0], state["progress"], state["sample"] = float(seconds), done, int(64 * done)
+            assert status.text(state) == (f"Remaining {left} | Mem:3.00M, Peak:5.00M | Rendering | Sample {int(64 * done)}/64")
+            now[0] += 0.3
+            assert status.text(state) == ""
+        # what several pictures share
+        now[0] = 10.0
+        assert engine._within({"time_limit": 30.0}, 40.0, 3) == {"time_limit": 10.0}
+        assert engine._within({"time_limit": 0.0}, 40.0, 3) == {"time_limit": 0.0}
+        assert engine._within({"time_limit": 30.0}, 5.0, 1) == {"time_limit": 0.1}
+    finally:
+        engine.time = clock
+
+
+def test_errors_are_told_and_the_result_ends():
+    engine, export, report = module("engine"), module("export"), module("report")
+    scene = common.empty_scene()
+    for error, words in ((export.SceneError("no camera"), "libshade: no camera"), (KeyError("inner"), "libshade: internal error")):
+        for preview in (False, True):
+            told, ended = [], []
+
+            def fails(*_arguments, error=error):
+                raise error
+            report.keep(scene, SimpleNamespace(errors=(), warnings=()))
+            fake = SimpleNamespace(is_preview=preview, report=lambda kind, text: told.append((kind, text)), _render=fails,
+                                   end_result=ended.append)
+            engine.LibshadeEngine._view(fake, SimpleNamespace(scene=scene), None, SimpleNamespace(view="", whole="all"), None, None, None)
+            assert len(told) == 1 and told[0][0] == {"ERROR"} and told[0][1].startswith(words) and ended == ["all"], told
+            assert bool(report.told(scene)) == (isinstance(error, export.SceneError) and not preview)
+    # what is told of a scene is what its last render told
+    said = SimpleNamespace(errors=("bad",), warnings=("odd", "old"))
+    report.keep(scene, said, ("native",))
+    assert report.told(scene) == [("bad", True), ("odd", False), ("old", False), ("native", False)]
+    report.keep_failure(scene, "odd")
+    assert report.told(scene) == [("odd", True), ("bad", True), ("odd", False), ("old", False), ("native", False)] or \
+        report.told(scene)[0] == ("odd", True)
+    report.keep(scene, SimpleNamespace(errors=(), warnings=("new",)))
+    assert report.told(scene) == [("new", False)] and not report.told(bpy.data.scenes.new("another"))
+
+
+def test_what_is_greyed():
+    """A setting is grey where it changes nothing."""
+    scene = common.empty_scene()
+    panels, drawn = module("panels"), {}
+
+    class Layout:
+        active = use_property_split = use_property_decorate = True
+
+        def prop(self, _of, name, **_more):
+            drawn[name] = self
+
+        def row(self, **_more):
+            return Layout()
+        column = row
+
+    for kind, active in (("BOX", False), ("GAUSSIAN", True), ("BLACKMAN_HARRIS", True)):
+        scene.libshade.pixel_filter_type = kind
+        for name in dir(panels):
+            panel = getattr(panels, name)
+            if name.startswith("RENDER_PT_") and "film" in name:
+                panel.draw(SimpleNamespace(layout=Layout()), SimpleNamespace(scene=scene))
+        assert drawn["filter_width"].active == active and drawn["pixel_filter_type"].active, kind
+
+
+def test_a_group_stands_where_its_node_stood():
+    common.empty_scene()
+    material, tree, node = common.metal("framed")
+    frame = tree.nodes.new("NodeFrame")
+    node.parent, node.location, node.width, node.hide, node.label, name = frame, (30, -40), 222, True, "mine", node.name
+    node.inputs["Rotation"].default_value = 0.25
+    where = tuple(node.location)
+    target = node.outputs[0].links[0].to_socket.node.name
+    assert bpy.ops.libshade.convert_to_group(all_materials=True) == {"FINISHED"}
+    group = tree.nodes[name]
+    assert group.bl_idname == "ShaderNodeGroup" and group.parent == frame and tuple(group.location) == where
+    assert (group.width, group.hide, group.label) == (222, True, "mine")
+    assert abs(group.inputs["Rotation"].default_value - 0.25) < 1e-6
+    assert group.outputs[0].links[0].to_socket.node.name == target
+
+
+def test_the_viewport_is_never_coarser_than_that():
+    """A picture that takes long makes the next one coarser, to 32 pixels; a quick one finer, to 2."""
+    viewport = module("viewport")
+    held, factors = viewport._native, []
+    try:
+        for wall, fits in ((9.0, lambda f: f == 32), (0.0, lambda f: f == 2)):
+            viewport._native = SimpleNamespace(timings=lambda _job, wall=wall: {"wall": wall, "image": 0, "mesh": 0, "bvh": 0})
+            shown = viewport.Viewport()
+            for factor in (1, 2, 4, 8, 16, 32, 32, 32):
+                shown._factor, shown._job = factor, None
+                shown._made = SimpleNamespace(factor=factor)
+                for _ in range(12):
+                    shown._made.factor = shown._factor
+                    shown._adapt()
+                factors.append(shown._factor)
+                assert fits(shown._factor), (wall, factors)
+    finally:
+        viewport._native = held
+
+
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
     test()
     print(test.__name__, "done", flush=True)

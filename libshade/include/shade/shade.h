@@ -192,7 +192,7 @@ SHADE_API int shade_metal_row(int row, shade_metal *metal);
 /*
  * Make the material a metal of the table (read as all names are): conductor Fresnel with
  * its eta and k, f0 their reflectance at normal incidence. Returns 0, changing nothing, for
- * a word that is not in the table.
+ * a word that is not in the table, and where nobody set p->size.
  */
 SHADE_API int shade_params_set_metal(shade_params *p, const char *word);
 

@@ -1,0 +1,108 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Which tests of `make check` reach a file: by what they include, import and start, as texts say it, cheapest first.
+
+    setup/reach.py FILE …     as lines of setup/mutants.txt
+"""
+import functools
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import costs
+
+ROOT = Path(__file__).resolve().parent.parent
+# Where includes begin, and packages of Python.
+INCLUDES = ("", "libshade/", "libshade/include/", "blender_addon_c/native/", "blender_addon_c/", "povray_patches/")
+PACKAGES = ("", "compare/", "compare/tests/", "libshade/python/", "libshade/test/", "blender_addon_c/tests/", "blender_addon_c/tests/inside/",
+            "setup/", "povray_patches/tests/")
+# What a text names that is no include: what is built of those files.
+BUILT = ((r"build/shade\b|BUILD / .shade.|\bSHADE\b", r"libshade/tool/[^/]*\.c$"),
+         (r"native_scenes|_native\b", r"blender_addon_c/native/(python|render|scene|isa|system)/[^/]*\.c$"),
+         (r"\bblender(_old|_new|52)?\b|common\.MODULE", r"blender_addon_c/(?!tests|tool)[^.]*\.py$"),
+         (r"shade[-_]render\b", r"blender_addon_c/tool/[^/]*\.c$"),
+         (r"(?i)\bpovray\b", r"povray_patches/glue/"), (r"libshade\.so|\bimport shade\b", r"libshade/src/[^/]*\.c$"))
+
+
+@functools.cache
+def files():
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\n")
+    return frozenset(name for name in listed if re.search(r"\.(c|h|cpp|py)$", name))
+
+
+def _there(name):
+    return {name} & files()
+
+
+@functools.cache
+def needs(file):
+    """Files that one names."""
+    text = (ROOT / file).read_text(encoding="utf-8")
+    folder = file.rpartition("/")[0] + "/"
+    found = set()
+    if file.endswith(".py"):
+        for dots, module, names in re.findall(r"^ *from (\.*)([\w.]*) import \(?([\w, ]*)", text, re.M):
+            places = [folder if len(dots) == 1 else folder.rstrip("/").rpartition("/")[0] + "/"] if dots else (folder, *PACKAGES)
+            for place in places:
+                path = place + module.replace(".", "/")
+                found |= _there(f"{path}.py") | _there(f"{path}/__init__.py")
+                for name in re.split(r"[, ]+", names):
+                    found |= _there(f"{path.rstrip('/')}/{name}.py") | _there(f"{path.rstrip('/')}/{name}/__init__.py")
+        for names in re.findall(r"^ *import ([\w., ]+)", text, re.M):
+            for name in re.split(r"[, ]+", names):
+                for place in (folder, *PACKAGES):
+                    found |= _there(f"{place}{name.replace('.', '/')}.py")
+        for name in re.findall(r"[\"']([\w/]+\.py)[\"']", text):  # scripts that are started
+            found |= _there(folder + name) | _there(f"{folder}inside/{name}")
+        if ".scene(" in text:
+            found |= _there(f"{folder}inside/scenes.py")
+    else:
+        for name in re.findall(r"^ *# *include [\"<]([\w/.+-]+)[\">]", text, re.M):
+            for place in (folder, *INCLUDES):
+                found |= _there(place + name)
+        for header in [name for name in found if name.endswith(".h")]:  # what it declares
+            found |= _there(header[:-1] + "c") | _there(header[:-1] + "cpp")
+            if header.startswith("libshade/include/"):
+                found |= {name for name in files() if name.startswith("libshade/src/") and name.endswith(".c")}
+    if "/test" in file:
+        for word, built in BUILT:
+            if re.search(word, text):
+                found |= {name for name in files() if re.match(built, name)}
+    return frozenset(found - {file})
+
+
+def reached(file):
+    """All files that one reaches, itself too."""
+    seen, left = {file}, [file]
+    while left:
+        for other in needs(left.pop()):
+            if other not in seen:
+                seen.add(other)
+                left.append(other)
+    return seen
+
+
+def tests(file):
+    """Lines of setup/mutants.txt: the tests that reach a file, cheapest first."""
+    found = sorted((test for test in costs.files() if file in reached(test)), key=costs.cost)
+    lines = []
+    for test in found:
+        if test.endswith(".c"):
+            if test.startswith("libshade/"):
+                lines.append("c " + Path(test).stem.removeprefix("test_"))
+        else:
+            kind = {"blender_addon_c": "blender", "povray_patches": "povray"}.get(test.split("/")[0], "py")
+            lines.append(f"{kind} {test}")
+    return lines
+
+
+def main():
+    for file in sys.argv[1:]:
+        print(file)
+        for line in tests(file):
+            print(f"$ {line}")
+
+
+if __name__ == "__main__":
+    main()
