@@ -27,6 +27,7 @@
 #   make clean     remove build/
 # On Debian 12 and 13 each of them installs first what it needs (setup/setup.mk); elsewhere it names what is missing.
 B := build
+MANUAL := $(B)/manual/html
 JOBS ?= $(shell nproc)
 # all processors, unless -j is given
 ifeq ($(MAKELEVEL),0)
@@ -65,7 +66,6 @@ pictures: compare
 
 # warnings are errors: a page that nothing leads to, a link that leads nowhere
 .PHONY: manual
-MANUAL := $(B)/manual/html
 manual: $(MANUAL)/index.html
 $(MANUAL)/index.html: $(VENV_MANUAL)/done $(shell find docs -type f) $(L)/include/shade/shade.h
 	$(call say,manual   ,$@)

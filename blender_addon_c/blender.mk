@@ -5,7 +5,7 @@ BLENDER_ADDON := $(B)/blender/addons/libshade
 include blender_addon_c/native.mk
 
 BLENDER_FILES := $(patsubst blender_addon_c/%,$(BLENDER_ADDON)/%, \
-  $(filter-out %/package.py %/make_assets.py %/make_manual.py, \
+  $(filter-out %/package.py %/make_assets.py, \
     $(wildcard blender_addon_c/*.py $(patsubst %,blender_addon_c/%/*.py,export fabric scratches))) blender_addon_c/blender_manifest.toml) \
   $(BLENDER_ADDON)/LICENSE.txt $(BLENDER_NATIVE)
 
@@ -19,11 +19,12 @@ BLENDER_STALE = $(filter-out $(BLENDER_FILES),$(shell find $(BLENDER_ADDON) -nam
 BLENDER_CATALOGS := $(BLENDER_ADDON)/assets/blender_assets.cats.txt
 BLENDER_ASSETS := $(patsubst %,$(BLENDER_ADDON)/assets/%.blend,metals fabrics grooves scratches) $(BLENDER_CATALOGS)
 
-# The manual, and the pictures that it shows
+# The manual, whose other files lie beside its first page
 BLENDER_MANUAL := $(BLENDER_ADDON)/manual/index.html
-BLENDER_PICTURES := $(shell sed -n 's/^!\[.*(\.\.\/\(examples\/.*\))$$/\1/p' docs/blender.md)
 
-BLENDER_ZIPPED := $(BLENDER_FILES) $(BLENDER_ASSETS) $(BLENDER_MANUAL) $(addprefix $(dir $(BLENDER_MANUAL)),$(notdir $(BLENDER_PICTURES)))
+BLENDER_ZIPPED := $(BLENDER_FILES) $(BLENDER_ASSETS) $(BLENDER_MANUAL)
+# of an unpacked add-on
+rest_of_manual = $(shell find $(1)/manual -type f ! -path $(1)/manual/index.html)
 
 blender: $(B)/libshade-blender.zip
 
@@ -59,12 +60,12 @@ $(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c
 	  -- $(abspath $(@D)) >$(B)/assets.log 2>&1 || { tail -20 $(B)/assets.log; exit 1; }
 $(filter-out $(BLENDER_CATALOGS),$(BLENDER_ASSETS)): $(BLENDER_CATALOGS)
 
-$(BLENDER_MANUAL): blender_addon_c/make_manual.py docs/blender.md $(BLENDER_PICTURES) | $(BLENDER_READY)
-	$(call say,convert  ,$@)
-	$(Q)/usr/bin/python3 $< docs/blender.md $(@D)
+$(BLENDER_MANUAL): $(MANUAL)/index.html | $(BLENDER_READY)
+	$(call say,copy     ,$@)
+	$(Q)rm -rf $(@D) && cp -r $(<D) $(@D) && rm -f $(@D)/.buildinfo && touch $@
 
 $(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_READY) $(BLENDER_ASSETS) $(BLENDER_MANUAL)
 	$(call say,zip      ,$@)
-	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_ZIPPED)
+	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_ZIPPED) $(call rest_of_manual,$(BLENDER_ADDON))
 
 include blender_addon_c/release.mk

@@ -374,7 +374,7 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         if not is_enabled():
             return
         layout.operator(LIBSHADE_OT_convert_to_group.bl_idname)
-        draw_button(layout, "#libshade-metal")
+        draw_button(layout, "blender/metal.html")
 
     def draw_advanced(self, layout):
         """What most artists need not touch."""

@@ -38,7 +38,7 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
 
     def draw_header_preset(self, _context):
         self.layout.emboss = "NONE"
-        draw_button(self.layout, "#rendering", text="")
+        draw_button(self.layout, "blender/rendering.html#sampling", text="")
 
     def draw(self, context):
         layout = self.layout

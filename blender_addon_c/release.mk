@@ -46,9 +46,11 @@ $(RELEASE_ADDON)/lib/libshade_openexrcore.so: $(RELEASE)/openexrcore.o $(N)/syst
 	$(Q)$(RELEASE_LINK) -shared -Wl,-Bsymbolic -Wl,--version-script=$(N)/system/openexrcore.map -Wl,-soname,$(@F) \
 	  $< $(shell $(CC) -print-file-name=libz.a) $(RELEASE_RUNTIME) -lm -lpthread -o $@
 
+$(RELEASE_ADDON)/manual/index.html: $(BLENDER_MANUAL)
+	$(Q)rm -rf $(@D) && mkdir -p $(dir $(@D)) && cp -r $(<D) $(@D)
 $(RELEASE_ADDON)/%: $(BLENDER_ADDON)/%
 	@mkdir -p $(@D)
 	$(Q)cp $< $@
 $(RELEASE_ZIP): blender_addon_c/package.py $(RELEASE_FILES)
 	$(call say,zip      ,$@)
-	$(Q)/usr/bin/python3 $< $@ $(RELEASE_ADDON) $(RELEASE_FILES)
+	$(Q)/usr/bin/python3 $< $@ $(RELEASE_ADDON) $(RELEASE_FILES) $(call rest_of_manual,$(RELEASE_ADDON))

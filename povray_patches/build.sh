@@ -201,4 +201,4 @@ WRAPPER
   chmod +x "$out/povray.new"
   mv "$out/povray.new" "$out/povray"
 fi
-say "ready: $out/povray"
+say "ready: $out/povray; its manual: docs/start/povray.md"

@@ -222,7 +222,7 @@ class LibshadeFabricNode(bpy.types.ShaderNodeCustomGroup):
             layout.prop(self, "ends_per_cm")
             layout.prop(self, "picks_per_cm")
         layout.operator("libshade.convert_to_group")
-        draw_button(layout, "#cloth")
+        draw_button(layout, "blender/fabric.html")
 
     def draw_label(self):
         return _NAME

@@ -18,7 +18,7 @@ from .field import PRESETS, apply_preset, description
 from .images import is_stale
 from .operators import CLASSES, LIBSHADE_OT_bake_scratches, LIBSHADE_OT_drop_scratch_images, LIBSHADE_OT_scratches_preset
 
-_MANUAL = "#scratches"
+_MANUAL = "blender/scratches.html"
 
 
 class LibshadeScratchesNode(bpy.types.ShaderNodeCustomGroup):

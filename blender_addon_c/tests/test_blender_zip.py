@@ -44,7 +44,7 @@ def test_contents():
     folder = ROOT / "blender_addon_c"
     sources = {f"libshade/{path}" for path in (p.relative_to(folder) for p in folder.rglob("*.py"))
                if path.parts[0] not in ("native", "tests")}
-    sources -= {f"libshade/{name}.py" for name in ("package", "make_assets", "make_manual")}
+    sources -= {f"libshade/{name}.py" for name in ("package", "make_assets")}
     assert sources <= set(names)
     assert {n for n in names if "/assets/" in n} == {f"libshade/assets/{n}" for n in (
         "metals.blend", "fabrics.blend", "grooves.blend", "scratches.blend", "blender_assets.cats.txt")}

@@ -35,7 +35,11 @@ put 644 "$here/povray.ini" "$share/povray.ini"
 put 644 -t "$share/ini" "$povray"/src/distribution/ini/*.ini
 put 644 -t "$share/include" "$povray"/include/*
 put 644 "$here/$name.1" "$man/$name.1"
-put 644 "$top/docs/povray.md" "$doc/povray.md"
+for page in "$top"/docs/start/povray.md "$top"/docs/povray/*.md; do # links to the glossary are plain text here
+  file=${page#"$top"/docs/}
+  put 644 "$page" "$doc/manual/$file"
+  sed -i -E 's/\{term\}`([^`<]*[^`< ]) *(<[^`>]*>)?`/\1/g' "$doc/manual/$file"
+done
 for scene in "$top"/examples/povray/*/*.pov; do
   file=${scene##*/}
   case $file in suzanne.pov | embossed.pov) continue ;; esac # need what the demo and the tool `shade` make

@@ -63,7 +63,7 @@ def test_package_has_what_it_needs_in_folders_of_its_own(deb):
     assert {f"usr/share/{NAME}/include/{name}" for name in includes} <= there
     documents = f"usr/share/doc/{NAME}"
     assert {f"usr/bin/{NAME}", f"usr/lib/{NAME}/povray", f"usr/share/{NAME}/povray.ini", f"usr/share/man/man1/{NAME}.1.gz",
-            f"{documents}/copyright", f"{documents}/changelog.gz", f"{documents}/povray.md"} <= there
+            f"{documents}/copyright", f"{documents}/changelog.gz", f"{documents}/manual/povray/reference.md"} <= there
 
 
 def test_package_says_what_it_depends_on(deb):
