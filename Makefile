@@ -69,6 +69,7 @@ pictures: compare
 manual: $(MANUAL)/index.html
 $(MANUAL)/index.html: $(VENV_MANUAL)/done $(shell find docs -type f) $(L)/include/shade/shade.h
 	$(call say,manual   ,$@)
+	$(Q)rm -rf $(B)/manual
 	$(Q)$(VENV_MANUAL)/bin/sphinx-build -q -W --keep-going -b html -d $(B)/manual/doctrees docs $(@D)
 	@touch $@
 

@@ -9,7 +9,7 @@ from study import Finding
 
 SHADED = [w for w, f in FORMS.items() if f.mdf == "ashikhmin_shirley"]
 PLAIN = [w for w in SHADED if not FORMS[w].printed]
-# where D' jumps: CONVENTIONS.md, "Continuity"
+# where D' jumps: docs/theory/conventions.md, "Continuity"
 JUMPS = {("perturb", "h = z"), ("deform_linear_conserving", "h = n"), ("deform_smooth_conserving", "h = n"),
          ("rotate", "n → y"), ("gram_schmidt", "n → x"), ("ggx_rotate", "z̃ = 0")}
 EDGES = {("hard", "wi.z = 0"), ("hard", "n·wo = 0"), ("valid_reflection", "wi.z = 0"), ("estevez", "n·wo = 0"),

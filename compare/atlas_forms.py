@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The detail methods of the stability atlas: as papers print them, literally, and as the library has them.
 
-docs/papers.md lists the mistakes. Beside test_papers.c this is the only place of printed formulas. A form's
+docs/theory/papers.md lists the mistakes. Beside test_papers.c this is the only place of printed formulas. A form's
 `value(n, h, shape)` is D'(h) in 1/sr, NaN and infinite as the formula has it. n, h: (…, 3); shape: exponents (ex, ey)
 of Ashikhmin-Shirley, or alphas. x lies along the grooves, but for `groove="y"`.
 """

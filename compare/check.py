@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two dumps of one scene, one verdict: do both renderers shade what they should, and the same?
 
-Any two files that LIBSHADE_DUMP=FILE.exr left (CONVENTIONS.md, "Dump"), of either renderer, of
+Any two files that LIBSHADE_DUMP=FILE.exr left (docs/theory/conventions.md, "Dump"), of either renderer, of
 two versions or of two machines, are judged:
 
   each against the C reference (`shade check`),

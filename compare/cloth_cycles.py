@@ -3,7 +3,7 @@
 
     build/venv/bin/python compare/cloth_cycles.py [3.4] [5.0] [--presets DENIM,LINEN] [--keep FOLDER]
 
-Prints a table for each Blender (all by default), as docs/blender.md has it: the mean absolute difference of pixels over the mean, and the
+Prints a table for each Blender (all by default), as docs/results/blender.md has it: the mean absolute difference of pixels over the mean, and the
 mean brightness and colour (red, green, blue) of Cycles beside ours. The plane shows some twenty crossings, without what varies from
 yarn to yarn, which differs by chance; the ball has it, its pixels hold half a crossing to many, and means of 4 x 4 pixels are compared.
 --keep: the pictures, and sheet.png, ours beside Cycles'. A quarter of an hour.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dumps of both back ends (CONVENTIONS.md): reading and comparing them."""
+"""Dumps of both back ends (docs/theory/conventions.md): reading and comparing them."""
 import json
 from dataclasses import dataclass
 

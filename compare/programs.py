@@ -7,7 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
 HERE = Path(__file__).resolve().parent
-# for `import shade`, after this one: our own module (docs/python.md), on the library in build/
+# for `import shade`, after this one: our own module (docs/library/python.md), on the library in build/
 sys.path.insert(0, str(ROOT / "libshade" / "python"))
 
 BLENDER = os.environ.get("BLENDER", "blender")

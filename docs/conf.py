@@ -15,8 +15,6 @@ extensions = ["myst_parser"]
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 nitpicky = True
-# pages of before, which others are taking the place of
-exclude_patterns = ["blender.md", "povray.md", "library.md", "papers.md", "python.md", "tool.md"]
 
 html_theme = "furo"
 html_title = f"libshade {release}"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a point of a cloth sends on, by plain nodes: a group that all cloth nodes of a file share. libshade's near model
 with what Cycles has: a lobe of Ashikhmin and Shirley for warp and weft, fibres as two matt sides, a nap that does not know
-where light comes from. How far it is off is in docs/blender.md."""
+where light comes from. How far it is off is in docs/results/blender.md."""
 
 import math
 

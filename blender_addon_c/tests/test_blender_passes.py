@@ -122,7 +122,7 @@ def test_passes_are_those_of_cycles(blender, tmp_path):
     files = [read_picture(path) for path in (ours, theirs)]
     headers = [oiio.ImageBuf(str(path)).spec() for path in (ours, theirs)]
     left = () if blender.version < "5.2" else ("Denoising Specular Albedo", "Denoising Roughness")  # named
-    # from 5.2 on Cycles' albedo is without what is glossy, and the sky far away, not at 0 (docs/blender.md)
+    # from 5.2 on Cycles' albedo is without what is glossy, and the sky far away, not at 0 (docs/results/blender.md)
     other = ("Denoising Albedo", "Denoising Depth") if left else ()
     assert all(name in text for name in left)
     assert files[0][0] == [name for name in files[1][0] if name.split(".")[1] not in left]  # layers, passes and channels, in their order

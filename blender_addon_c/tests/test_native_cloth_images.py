@@ -83,7 +83,7 @@ def test_a_draft_has_its_colours():
 
 
 def test_what_yarns_leave_one_another():
-    """Of even light. Flat yarns all; round ones by CONVENTIONS.md, "Shadows of yarns", by another quadrature."""
+    """Of even light. Flat yarns all; round ones by docs/theory/conventions.md, "Shadows of yarns", by another quadrature."""
     flat = {**ROUND, "curve": 0.0}
     assert images(preset="linen", warp_yarn=flat, weft_yarn=flat)[0]["lit"] == pytest.approx(1, abs=1e-9)
     curve = 0.9

@@ -60,7 +60,7 @@ class Dump:
                          for c in parts], -1)
 
     def shade(self):
-        """S of every light, by the formula of CONVENTIONS.md for unbumped Ashikhmin-Shirley."""
+        """S of every light, by the formula of docs/theory/conventions.md for unbumped Ashikhmin-Shirley."""
         n, t, wo = (self.vector(name) for name in ("N", "T", "V"))
         n, t, wo = (v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-30)
                     for v in (n, t, wo))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The stability atlas: the printed formulas have the figures of docs/papers.md, which C tests found; measures have
+"""The stability atlas: the printed formulas have the figures of docs/theory/papers.md, which C tests found; measures have
 those of known lobes; no finding outlives rows that say otherwise; maps name what fails; --at prints it."""
 import xml.etree.ElementTree
 
@@ -31,7 +31,7 @@ def variation(value, tilt, shape, mdf="ashikhmin_shirley", groove="x"):
                     for n in (direction(tilt, a) for a in AZIMUTHS)])
 
 
-# ---- printed formulas: docs/papers.md, which tells what the C tests found ------------------------------
+# ---- printed formulas: docs/theory/papers.md, which tells what the C tests found ------------------------------
 
 @pytest.mark.parametrize("word, tilt, shape, want", [
     ("rotate_row_two", 30, EXPONENTS, 0.420), ("rotate_always_x", 30, EXPONENTS[::-1], 0.116),
@@ -95,7 +95,7 @@ def test_smooth_warp_leaves_the_disc(delta, outside):
     ("deform_linear", (0, 0.3), 1.020), ("deform_smooth", (0.3, 0), 1.012), ("deform_smooth", (0.5, 0.5), 1.065),
     ("rotate", (0.5, 0.5), 0.9999), ("deform_linear_conserving", (0.5, 0.5), 1.0)])
 def test_energy(word, n, want):
-    """By an independent computation: method.md and docs/papers.md."""
+    """By an independent computation: method.md and docs/theory/papers.md."""
     tilt, azimuth = np.degrees(np.arcsin(np.hypot(*n))), np.degrees(np.arctan2(n[1], n[0]))
     row, = atlas_measures.normal(word, [tilt], [azimuth], 160)
     assert row["energy"] == pytest.approx(want, abs=1.5e-3)

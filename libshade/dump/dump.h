@@ -2,7 +2,7 @@
 /*
  * The dump: one primary hit per pixel of a rendered picture, as a float32
  * OpenEXR, so that an independent program can check what a back end shaded.
- * Channels: CONVENTIONS.md. Shared by both back ends (writer) and by `shade check`
+ * Channels: docs/theory/conventions.md. Shared by both back ends (writer) and by `shade check`
  * (reader). OpenEXRCore is reached through a table of functions, so that a
  * plug-in can load its own copy of it.
  */
@@ -102,8 +102,9 @@ float *shade_dump_add(shade_dump *d, enum shade_dump_optional channel);
 int shade_dump_has(const shade_dump *d, enum shade_dump_optional channel);
 
 /*
- * What a renderer puts there: {"version": …, "renderer": …, "materials": […]}, as CONVENTIONS.md
- * has it. The material at index i has the id i. The caller frees it; NULL when out of memory.
+ * What a renderer puts there: {"version": …, "renderer": …, "materials": […]}, as
+ * docs/theory/conventions.md has it. The material at index i has the id i. The caller frees it;
+ * NULL when out of memory.
  */
 typedef struct shade_dump_material {
   const char *name;

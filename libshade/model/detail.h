@@ -2,7 +2,7 @@
 /*
  * Where the half vector lies in the carried distribution, for a perturbed normal n. h need not
  * be unit, except for the warps: only its direction counts. The tangents come from cross
- * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (CONVENTIONS.md, Detail).
+ * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (docs/theory/conventions.md, Detail).
  *
  * Errors of the slopes sqrt(xx) and sqrt(yy) of lobe_at over 1 + t, against the reference on the
  * same inputs, cosine to the carried pole >= 0.05, tilts to 89.9 degrees: float 2e-7, double
@@ -113,8 +113,9 @@ LEAF real rotate_scale(real nx, real nz) {
 
 /*
  * Groove transport: the frame whose x' = (nz, 0, -nx)/L is dP/du of the height
- * field with normal n, L^2 = nx^2 + nz^2. [KangCho Eq. 9, sign corrected: CONVENTIONS.md, Detail]
- * Grooves along y, and Gram-Schmidt, are this with x and y exchanged.
+ * field with normal n, L^2 = nx^2 + nz^2. [KangCho Eq. 9, sign corrected:
+ * docs/theory/conventions.md, Detail] Grooves along y, and Gram-Schmidt, are this with x and y
+ * exchanged.
  */
 LEAF lobe_ratio detail_rotate(real nx, real ny, real nz, real hx, real hy, real hz) {
   real scale = rotate_scale(nx, nz);

@@ -21,7 +21,8 @@
 /*
  * Ashikhmin-Shirley: peak * cos^e, e = (ex xx + ey yy)/(xx + yy), with the power
  * as 2^(-e/2 log2(1 + tan^2)): pow(cos, e) would lose e roundings. Integrates
- * to 1 over the hemisphere without a cosine. [AshikhminShirley2000 Eq. 4; CONVENTIONS.md, Detail]
+ * to 1 over the hemisphere without a cosine. [AshikhminShirley2000 Eq. 4;
+ * docs/theory/conventions.md, Detail]
  */
 LEAF real ashikhmin_shirley_ratio(lobe_ratio p, real kx, real ky, real peak) {
   real x = R(0.5) * LOG2_UNIT * kx, y = R(0.5) * LOG2_UNIT * ky;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The reference for woven cloth: the look-up and the shading of weave.h, fabric.h and
- * CONVENTIONS.md, long-hand. It takes what an author states, a draft and two sets of
+ * docs/theory/conventions.md, long-hand. It takes what an author states, a draft and two sets of
  * parameters, and keeps nothing that was made ready.
  */
 #ifndef SHADE_REFERENCE_CLOTH_H
@@ -10,7 +10,8 @@
 #include "shade/fabric.h"
 #include "shade/weave.h"
 
-/* The normals of the yarns of one direction, over CONVENTIONS.md's points of the cloth. */
+/* The normals of the yarns of one direction, over docs/theory/conventions.md's points of the cloth.
+ */
 typedef struct shade_ref_lean {
   double share, mean[3], covariance[3]; /* xx, xy, yy */
 } shade_ref_lean;

@@ -62,7 +62,7 @@ enum noise {
   NOISES
 };
 
-/* The hash of CONVENTIONS.md, in whole numbers modulo 2^32; in [-1, 1). */
+/* The hash of docs/theory/conventions.md, in whole numbers modulo 2^32; in [-1, 1). */
 static real random_of(uint32_t seed, int channel, int64_t yarn, int64_t knot) {
   const uint64_t modulus = UINT64_C(1) << 32;
   const uint64_t words[3] = {(uint64_t)yarn % modulus, (uint64_t)knot % modulus, 0x27d4eb2f};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * How the yarns of a cloth lean, for the shadows that they cast on one another. The points are
- * part of the model (CONVENTIONS.md, "Shadows of yarns"): whoever computes it finds the same.
+ * part of the model (docs/theory/conventions.md, "Shadows of yarns"): whoever computes it finds the
+ * same.
  */
 #include "../model/fabric.h"
 

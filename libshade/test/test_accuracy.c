@@ -175,7 +175,7 @@ static void bounds(void **state) {
   }
 }
 
-/* No bound is looser than what CONVENTIONS.md promises. */
+/* No bound is looser than what docs/theory/conventions.md promises. */
 static void stated(void **state) {
   (void)state;
   for (int m = 0; m < SHADE_MDF_COUNT; m++) {

@@ -3,7 +3,8 @@
 /*
  * Continuity. D' and f cos, sampled along paths of directions that cross the places where a
  * formula degenerates: between neighbours the largest difference must fall as the step does.
- * A jump keeps its size. What is known to jump (CONVENTIONS.md, Continuity) is held to do so.
+ * A jump keeps its size. What is known to jump (docs/theory/conventions.md, Continuity) is held to
+ * do so.
  *
  * Each path is sampled at 1025 points in windows of several widths about the crossing. Half
  * the step leaves half of the difference where the slope is bounded, 0.71 of it at a root; a jump
@@ -318,8 +319,8 @@ static double jump(const double *value, double roundings, double peak) {
 }
 
 /*
- * Whether it jumps there: CONVENTIONS.md, Continuity. D' jumps at h, Smith's Lambda at wi and wo,
- * where they have no azimuth; the conserving warps at h = n.
+ * Whether it jumps there: docs/theory/conventions.md, Continuity. D' jumps at h, Smith's Lambda at
+ * wi and wo, where they have no azimuth; the conserving warps at h = n.
  */
 static int jumps(const shade_bsdf *b, event what, int shaded) {
   int azimuth = bsdf_of(b)->numbers.kx != bsdf_of(b)->numbers.ky;

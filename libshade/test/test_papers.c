@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* COST = 4.2 */
 /*
- * docs/papers.md: each formula as its paper prints it, beside the true one and the library's.
- * The printed formulas live here and nowhere else.
+ * docs/theory/papers.md: each formula as its paper prints it, beside the true one and the
+ * library's. The printed formulas live here and nowhere else.
  */
 #include <complex.h>
 

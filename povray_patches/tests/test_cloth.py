@@ -354,7 +354,7 @@ def test_the_same_for_any_number_of_threads(render):
 
 
 def test_shadows_of_yarns_may_be_left_out(render, shade_check):
-    """Yarns that lean towards a low lamp then take more than falls on the cloth (CONVENTIONS.md)."""
+    """Yarns that lean towards a low lamp then take more than falls on the cloth (docs/theory/conventions.md)."""
     low = "light_source { <800, 0, -100> rgb 1 parallel point_at 0 }\n"  # 83 degrees
     dumps = [render(scene(sheet() + cloth(f'preset "silk_shantung" crossings 4 yarns {{ diffuse rgb 1 }} {words}') + "}", low, FRONT), size=(24, 24)).dump
              for words in ("", "shadows on", "shadows off")]

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The dump of what the stages computed (CONVENTIONS.md), through libshade's writer. */
+/* The dump of what the stages computed (docs/theory/conventions.md), through libshade's writer. */
 #ifndef LIBSHADE_DUMP_SCENE_H
 #define LIBSHADE_DUMP_SCENE_H
 

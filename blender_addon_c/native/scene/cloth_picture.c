@@ -144,7 +144,7 @@ static void find_leans(const shade_weave *w, const shade_draft *d, lean to[2]) {
 }
 
 /* What they would take of light from w, each for itself: the mean of what is above 0 of numbers
- * spread evenly about the mean of m . w [CONVENTIONS.md, "Shadows of yarns"]. */
+ * spread evenly about the mean of m . w [docs/theory/conventions.md, "Shadows of yarns"]. */
 static double taken(const lean *l, const double w[3]) {
   const double variance =
       l->spread[0] * w[0] * w[0] + 2 * l->spread[1] * w[0] * w[1] + l->spread[2] * w[1] * w[1];

@@ -57,8 +57,8 @@ typedef struct shade_fabric_params {
   shade_horizon horizon;
   /* 1: yarns shade one another. Where light grazes, the yarns that lean towards it would take
    * more than falls on the cloth; all of it is scaled to what does, so that s goes to 0 at the
-   * terminator instead of ending in a line (CONVENTIONS.md, "Shadows of yarns"). 0: as if each
-   * yarn were alone; so for callers whose `size` ends before it. */
+   * terminator instead of ending in a line (docs/theory/conventions.md, "Shadows of yarns"). 0: as
+   * if each yarn were alone; so for callers whose `size` ends before it. */
   int shadows;
   size_t defaults; /* as in shade_params: SHADE_BRDF_AUTO, the default, is Ashikhmin-Shirley's for
                     * callers whose `size` ends before it */
@@ -233,7 +233,8 @@ SHADE_API unsigned shade_fabric_preparef(const shade_fabric *fabric,
  * and all that is diffuse about n (what comes through about -n), half by the cosine, half even.
  * The density is that of the whole mixture of all these. A draw below a horizon finds nothing
  * (SHADE_NO_SAMPLE: wi, s and pdf are 0) and counts as 0: the pdf's integral is 1 less their
- * probability. pdf is finite, and > 0 for every direction drawn. Weights: CONVENTIONS.md.
+ * probability. pdf is finite, and > 0 for every direction drawn. Weights:
+ * docs/theory/conventions.md.
  */
 SHADE_API unsigned shade_fabric_hit_eval(const shade_fabric *fabric, const shade_fabric_hit *hit,
                                          const double wi[3], double s[3]);

@@ -229,7 +229,7 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  * is <= 0, unless p->horizon says otherwise, as its default does. Returns status bits.
  *
  * Horizons, all of them exactly `hard` where n = z, and with SHADE_DETAIL_NONE. The default is the
- * one that came nearest to displaced bumps (CONVENTIONS.md has the figures):
+ * one that came nearest to displaced bumps (docs/theory/conventions.md has the figures):
  *   hard              the rule above. Reciprocal where the BRDF is
  *   valid_reflection  n is first bent towards z until the mirror image of wo has a z of
  *                     min(0.9 wo.z, 0.01); f and the cosine are those of the bent n. f cos

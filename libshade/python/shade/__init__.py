@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""libshade from Python: what the shared library reflects, over numpy arrays. docs/python.md has examples.
+"""libshade from Python: what the shared library reflects, over numpy arrays. docs/library/python.md has examples.
 
     metal = shade.Material(mdf="ggx", ax=.1, ay=.4)
     f, cosine = shade.eval(metal, n, wi, wo)
