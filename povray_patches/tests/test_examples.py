@@ -8,7 +8,7 @@ import pytest
 
 from conftest import ROOT
 
-COST = 23
+COST = 26
 
 SCENES = sorted(p for p in (ROOT / "examples/povray").glob("*/*.pov") if p.stem != "suzanne")  # the demo's: compare/
 
@@ -34,11 +34,19 @@ def test_example(render, shade, tmp_path, scene):
         command = re.search(r"build/shade (weave .*) -o", scene.read_text()).group(1).split()
         subprocess.run([shade, *command, "--size", "128", "-o", tmp_path / "basket.png"], check=True)
     shown = {}
-    for name, text in (("as it is", scene.read_text()), ("dark", without_lamps(scene.read_text()))):
+    lit = scene.read_text()
+    dark = without_lamps(lit)
+    # not those of the cookbook: what they are made of is in the others, too
+    kinds = [("as it is", lit)] + [("dark", dark)] * (scene.parent.name != "cookbook" and dark != lit)
+    for name, text in kinds:
         text = re.sub(r"\bsamples \d+", "samples 4", re.sub(r"\bcount \d+", "count 10", text))
         result = render(text, (64, 36), ["-A"], dump=False)
         assert "it is taken as" not in result.message, result.log
         shown[name] = result.image
         assert np.isfinite(shown[name]).all()
+    if dark == lit:
+        shown["dark"] = shown["as it is"]
     # more than the background, and no even surface
-    assert np.median(shown["as it is"]) > .01 and shown["dark"].mean() > .005 and shown["dark"].std() > .2 * shown["dark"].mean()
+    assert np.median(shown["as it is"]) > .01 and shown["as it is"].std() > .1 * shown["as it is"].mean()
+    if "dark" in shown:
+        assert shown["dark"].mean() > .005 and shown["dark"].std() > .2 * shown["dark"].mean()
