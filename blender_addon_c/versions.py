@@ -41,6 +41,7 @@ NOISE_CLAMPED = _before(4, 0)  # Roughness of Noise Texture, to 1
 VORONOI_BY_WHOLE = _since(5, 0)  # numbers cells draw from
 OLD_IES = _before(4, 0)  # horizontal angles go round (later cubics end at the first and mirror about the last); unlinked, Vector is the normal
 LATER_SKY = _since(5, 0)  # of Nishita's
+ALPHA_AS_SAID = _since(5, 2)  # by an image's mode alone colours are multiplied by alpha, or divided, unbounded [not asked of 5.1]
 
 # ---- lights
 OLD_LAMPS = _before(3, 5)  # areas have 4 / pi of their power, spots dim by the cosine to their axis, suns are flat discs

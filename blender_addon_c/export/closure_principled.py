@@ -106,9 +106,11 @@ class _Principled:
 
     def _emission(self, share, color, least=None):
         """least: of its strength."""
-        strength = self._number("Emission Strength")
+        strength, shade = self._number("Emission Strength"), self._color(color)
         strength = strength if least is None else self.math("MAXIMUM", strength, least)
-        shine(self.reader, self._color(color), self._part(share, strength))
+        if versions.SHINES_BELOW_0 and is_known(strength) and strength < 0 and not is_known(*shade):
+            shade = tuple(self.node.inputs[color].default_value)[:3]  # Cycles forgets the link
+        shine(self.reader, shade, self._part(share, strength))
 
     def _glass(self, share, **tints):
         if not is_zero(share):

@@ -9,7 +9,7 @@ import tempfile
 import bpy
 import numpy as np
 
-from .. import working_space
+from .. import versions, working_space
 from .main_thread import on_main_thread
 
 
@@ -87,7 +87,7 @@ class Images:
             texels = found["data"].reshape(-1, found["channels"])
             texels = texels[::max(1, len(texels) // _LOOKED_AT)].astype(np.float32) / _opaque(texels)
             if found["srgb"]:
-                texels = np.where(texels <= 0.04045, texels / 12.92, ((texels + 0.055) / 1.055) ** 2.4)
+                texels = _decoded(texels)
             x, y, z = (2 * texels[:, k if found["channels"] >= 3 else 0] - 1 for k in range(3))
             self._slopes[index] = np.hypot(x, y), z
         along, up = self._slopes[index]
@@ -101,13 +101,17 @@ class Images:
         pixels = self._pixels[image, path]
         if isinstance(pixels, int) or image.alpha_mode not in ("STRAIGHT", "PREMUL") or image.colorspace_settings.is_data:
             return pixels
-        if pixels["channels"] not in (2, 4) or pixels["straight"] == apart:
+        straight = pixels["straight"]
+        # files of light, and TIFF's of 16 bits, say what they are themselves
+        if versions.ALPHA_AS_SAID and not (_is_on_disk(image) and image.is_float and (image.file_format == "TIFF" or not straight)):
+            straight = image.alpha_mode == "STRAIGHT"
+        if pixels["channels"] not in (2, 4) or straight == apart:
             return pixels
         if not (pixels["data"][pixels["channels"] - 1::pixels["channels"]] < _opaque(pixels["data"])).any():
             return pixels
         if self._kept:
-            return self._kept.image(image, (path, apart), lambda: _times_alpha(pixels))
-        return _times_alpha(pixels)
+            return self._kept.image(image, (path, apart), lambda: _times_alpha(pixels, straight))
+        return _times_alpha(pixels, straight)
 
     def _find(self, image, owner, path):
         if self._kept:
@@ -125,7 +129,7 @@ class Images:
                                    f"{image.source.lower()}: only images are supported")
             return -1
         frame, path = path, _absolute(image, image.filepath)
-        on_disk = image.source in {"FILE", "MOVIE"} and not image.packed_file and not image.is_dirty
+        on_disk = image.source in {"FILE", "MOVIE"} and _is_on_disk(image)
         if on_disk and not os.path.isfile(path):
             self._messages.warning(f"{owner}: image file not found: {path}")
             return MISSING
@@ -263,14 +267,19 @@ class Images:
 
 def _is_divided(image):
     """Does Blender divide by alpha what it says of a file of integers? Cycles takes what is in the file, in this mode, too.
-    (Of TIFF both say light times alpha.)"""
-    return (image.alpha_mode == "PREMUL" and image.channels == 4 and image.file_format != "TIFF"
+    (Of TIFF both say light times alpha, but for bytes later.)"""
+    return (image.alpha_mode == "PREMUL" and image.channels == 4
+            and (image.file_format != "TIFF" or versions.ALPHA_AS_SAID and not image.is_float)
             and (not image.is_float or _is_of_integers(image)))
+
+
+def _is_on_disk(image):
+    return not (image.packed_file or image.is_dirty or image.source == "GENERATED")
 
 
 def _is_of_integers(image):
     """Does it lie in a file of 16-bit integers? Cycles mixes these as they are there; packed it takes Blender's light."""
-    if image.packed_file or image.is_dirty or image.source == "GENERATED":
+    if not _is_on_disk(image):
         return False
     try:
         with open(_absolute(image, image.filepath), "rb") as file:
@@ -299,6 +308,11 @@ def _tiff_is_of_integers(file, order, start):
             file.seek(next_)
         bits, kind = (value, kind) if tag == 258 else (bits, value)
     return bits == 16 and kind == 1
+
+
+def _decoded(texels):
+    """Light of what an sRGB file has."""
+    return np.where(texels <= 0.04045, texels / 12.92, ((texels + 0.055) / 1.055) ** 2.4)
 
 
 def _encode(data, count, by_alpha):
@@ -370,21 +384,26 @@ def _converted(colors, space):
     return pixels[:len(colors), :3]
 
 
-def _times_alpha(pixels):
-    """An image with its colours times alpha, or, where they are that already, as floats are, divided by it."""
+def _times_alpha(pixels, straight):
+    """An image with its colours times alpha, or, where they are that already, divided by it: light, which may be above 1."""
     given, count = pixels["data"], pixels["channels"]
-    data, pages = _room(len(given), given.dtype)
+    data, pages = _room(len(given), given.dtype if straight else np.float32)
+    half = 0 if versions.ALPHA_AS_SAID else 127
     for start in range(0, len(given), _SLICE):  # of whole texels: what is in use at once is small
         part = given[start:start + _SLICE].reshape(-1, count)
         alpha, made = part[:, -1:], data[start:start + _SLICE].reshape(-1, count)
-        if given.dtype == np.uint8:
-            made[:, :-1] = (part[:, :-1].astype(np.uint16) * alpha + 127) // 255
+        if straight and given.dtype == np.uint8:
+            made[:, :-1] = (part[:, :-1].astype(np.uint16) * alpha + half) // 255
+        elif straight:
+            made[:, :-1] = part[:, :-1] * alpha
         else:
-            made[:, :-1] = part[:, :-1] * alpha if pixels["straight"] else part[:, :-1] / np.where(alpha == 0, 1, alpha)
+            part, alpha = part / np.float32(_opaque(given)), alpha / np.float32(_opaque(given))
+            color = part[:, :-1] / np.where(alpha == 0, 1, alpha)
+            made[:, :-1] = _decoded(color) if pixels["srgb"] else color
         made[:, -1:] = alpha
     _leave(pages, 0, data.nbytes)
-    wide = pixels["wide"] or given.dtype != np.uint8 and not (data.min() >= 0 and data.max() <= 1)
-    return {**pixels, "data": data, "paged": pages is not None, "wide": bool(wide)}
+    wide = pixels["wide"] or data.dtype != np.uint8 and not (data.min() >= 0 and data.max() <= 1)
+    return {**pixels, "data": data, "paged": pages is not None, "wide": bool(wide), "srgb": straight and pixels["srgb"]}
 
 
 def _as_large(tile, width, height, channels, closest):

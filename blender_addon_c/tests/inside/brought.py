@@ -326,7 +326,7 @@ def _edges(_scene, _options):
             elif hasattr(item, "vector"):
                 item.vector = value[:len(item.vector)]
             else:
-                item.value = {"FLOAT": value[0], "INT": int(5 * value[0]), "INT8": int(5 * value[0]), "BOOLEAN": value[0] > 0.7}.get(kind, value)
+                item.value = {"FLOAT": value[0], "INT": int(5 * value[0]), "INT8": int(5 * value[0]), "BOOLEAN": bool(value[0] > 0.7)}.get(kind, value)
 
 
 def _hidden(_scene, _options):
