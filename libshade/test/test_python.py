@@ -259,23 +259,41 @@ def test_materials():
     ({"defaults": 2}, ValueError, "defaults: 2 given; expected a whole number from 0 to 1"),
     ({"defaults": True}, ValueError, "defaults: True given"),
     ({"metal": "cheese"}, ValueError, "metal: 'cheese' given; expected one of silver"),
+    ({"ex": 5, "ay": 0.5, "ax": 0.2}, TypeError, "ex and ax given; expected one of them"),
+    ({"fast": "off"}, ValueError, "fast: 'off' given; expected True or False"),
     ({"shine": 1}, TypeError, "'shine': no such parameter; there are preset, metal")])
 def test_bad_parameters(values, error, says):
     with pytest.raises(error, match=says):
         shade.Material(**values)
 
 
+def test_nothing_is_set_that_nobody_reads():
+    cloth = shade.fabric()
+    for made, name, says in (
+            (shade.Material(), "ex", r"ex: a Material never changes; replace\(ex=5\) makes a material like it"),
+            (shade.Material(), "fresnell", r"did you mean fresnel\? replace\(fresnel=5\)"),
+            (shade.Material(), "ey_", r"did you mean ey\?"), (cloth, "nap", r"a Fabric never .*fabric\(…, nap=5\) makes"),
+            (cloth, "pfd", r"did you mean pdf\?"), (shade.Scratches(), "cells", "a Scratches never changes"),
+            (shade.SlopeMap(np.zeros((1, 1, 3), "f4")), "strength", r"SlopeMap\(…, strength=5\) makes another"),
+            (shade.Status(), "bit", "bit")):
+        with pytest.raises(AttributeError, match=says):
+            setattr(made, name, 5)
+
+
 def test_bad_arrays():
     material = shade.Material()
     for call, says in (
-            (lambda: shade.D(material, N, WI[:, :2]), r"h: an array of shape \(40, 2\) given; its last axis must be 3"),
+            (lambda: shade.D(material, N, WI[:, :2]), r"h: an array of shape \(40, 2\) given; expected \(…, 3\)"),
             (lambda: shade.D(material, N, 1.0), r"h: an array of shape \(\)"),
+            (lambda: shade.D(material, N + 0j, WI), "(?s)n: .* expected numbers"),
+            (lambda: shade.eval(material, N, WI, WO, f0=np.uint8([255, 0, 0])), "f0: an array of uint8 .* divide by 255"),
             (lambda: shade.D(material, N[:3], WI[:4]), r"do not fit each other.*n \(3,\), h \(4,\)"),
             (lambda: shade.D(material, N, ["a", "b", "c"]), "h: .* expected numbers"),
             (lambda: shade.eval(material, N, WI, WO, parts="shiny"), "parts: 'shiny' given")):
         with pytest.raises(ValueError, match=says):
             call()
     for call, says in ((lambda: shade.eval(material, N, WI, WO, size=1), "'size': no parameter of a sample"),
+                       (lambda: shade.pdf(material, N, WI, WO, ey=9, ax=0.1, ay=0.2), "ey and ay given"),
                        (lambda: shade.D({}, N, WI), "expected a shade.Material")):
         with pytest.raises(TypeError, match=says):
             call()
@@ -360,6 +378,7 @@ def test_cloth_parameters():
             ({"warp": {"width": -1}}, ValueError, r"warp width: -1 given; expected a number from 1e-06 to 1e\+06"),
             ({"weft": {"kd": (1, 2, 3)}}, ValueError, r"weft kd: \(1, 2, 3\) given"),
             ({"weft": {"twist": 1}}, TypeError, "weft 'twist': no such parameter; there are diffuse, along"),
+            ({"shadows": "off"}, ValueError, "shadows: 'off' given; expected True or False"),
             ({"nap": 11}, ValueError, "nap: 11 given; expected a number from 0 to 10"),
             ({"weave": "knit"}, ValueError, "weave: 'knit' given; expected one of plain"),
             ({"pattern": (0, 1, 1)}, ValueError, "pattern: .* given"),
@@ -417,6 +436,21 @@ def test_slopes_of_a_ramp_and_of_two(other):
         seen = slopes.look_up(np.array([[0.5, 0.5]], dtype), np.array([0.5, 0, 0, 0.5], dtype))
         assert seen.normal.dtype == dtype and seen.normal[0] == pytest.approx([0, 0, 1], abs=close)
         assert seen.covariance[0] == pytest.approx([0.09, 0.3 * other, other**2], abs=close)
+
+
+def test_pixels_of_whole_numbers():
+    """A picture is scaled by its type's largest number; else they are refused, in words."""
+    coloured = np.random.default_rng(2).integers(90, 166, (5, 4, 3)).astype(np.uint8)
+    coloured[..., 2] = 250
+    truth = shade.SlopeMap(coloured / 255).look_up([0.3, 0.6])
+    for pixels in (coloured, coloured.astype(np.uint16) * 257):
+        assert shade.SlopeMap(pixels).look_up([0.3, 0.6]).normal == pytest.approx(truth.normal, abs=1e-6)
+    for pixels, normals, says in (
+            (coloured, "signed", 'an array of uint8 given; expected floats, or with normals "colour"'),
+            (coloured.astype(int), "colour", "an array of int64 given"), (coloured * 1.0, "colour", "colours up to 250 given"),
+            (coloured[..., 0] / 255, "colour", r"shape \(5, 4\) given; expected \(height, width, 2 or more\)")):
+        with pytest.raises(ValueError, match=says):
+            shade.SlopeMap(pixels, normals=normals)
 
 
 def test_each_place_has_a_footprint_of_its_own():

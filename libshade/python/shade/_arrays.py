@@ -10,6 +10,8 @@ STATUS = {1: "clamped parameter", 2: "clamped normal", 4: "bad input", 8: "bad c
 class Status:
     """Gathers what had to be mended: hand it to calls as `status=`, then look at its truth, `bits` or text."""
 
+    __slots__ = ("bits",)
+
     def __init__(self):
         self.bits = 0
 
@@ -47,12 +49,14 @@ class Call:
         try:
             array = np.asarray(value)
             if array.dtype.kind not in "fiub":
-                array = array.astype(np.float64)
+                array = array.astype(np.float64, casting="no" if array.dtype.kind == "c" else "unsafe")
         except (TypeError, ValueError):
             raise ValueError(f"{name}: {value!r:.80} given; expected numbers") from None
+        if array.dtype.kind == "u":
+            raise ValueError(f"{name}: an array of {array.dtype} given; expected numbers as they are: of a picture "
+                             f"divide by {np.iinfo(array.dtype).max}, and undo the curve of its colours")
         if len(members) > 1 and (array.ndim == 0 or array.shape[-1] != len(members)):
-            raise ValueError(f"{name}: an array of shape {array.shape} given; its last axis must be "
-                             f"{len(members)} long")
+            raise ValueError(f"{name}: an array of shape {array.shape} given; expected (…, {len(members)})")
         strong = isinstance(value, (np.ndarray, np.generic))
         self.given.append((name, array, members, strong))
         return self

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _structs as structs
 from ._arrays import Call, gather
-from ._library import LIB, Preset, one_of, rows, text, words
+from ._library import LIB, Fixed, Preset, one_of, rows, text, truth, words
 from ._material import choices, default_of, numbers
 
 PresetRow = collections.namedtuple(
@@ -137,7 +137,7 @@ def fabric(preset=None, *, weave=None, pattern=None, draft=None, wif=None, warp=
         elif word == "seed":
             yarns.seed = int(value) & 0xFFFFFFFF
         elif word in ("draft_colors", "shadows"):
-            setattr(cloth, word, bool(value))
+            setattr(cloth, word, truth(word, value))
         else:
             raise TypeError(f"{word!r}: no such parameter; there are "
                             + ", ".join([*CHOICES, "occlusion", "seed", "draft_colors", "shadows", *known]))
@@ -152,8 +152,10 @@ def _free(cloth, weave):
     LIB.shade_weave_free(weave)
 
 
-class Fabric:
+class Fabric(Fixed):
     """A cloth ready to be evaluated; `shade.fabric` makes it."""
+
+    CHANGED = "shade.fabric(…, {}) makes another"
 
     def __init__(self, draft, yarns, cloth):
         bits = ctypes.c_uint()

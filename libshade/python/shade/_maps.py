@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _structs as structs
 from ._arrays import Call, gather
-from ._library import LIB, PARAMS_SIZE, one_of
+from ._library import LIB, PARAMS_SIZE, Fixed, one_of, truth
 from ._material import UP, Material, numbers
 
 Seen = collections.namedtuple("Seen", "normal covariance")
@@ -37,17 +37,20 @@ def _one_by_one(call, look_up, status):
     return Seen(out[..., :3], out[..., 3:])
 
 
-class SlopeMap:
+class SlopeMap(Fixed):
     """A normal map with its pyramid of slopes. pixels: (height, width, channels), row 0 the top; `normals`:
-    colour, signed or slope; `wrap`: repeat, clamp or mirror; `directx`: green points down; strength: [0, 100]."""
+    colour, signed or slope; `wrap`: repeat, clamp or mirror; `directx`: green points down; strength: [0, 100].
+    Colours are 0 to 1, or of a type of whole numbers without sign, of which the largest counts as 1."""
+
+    CHANGED = "shade.SlopeMap(…, {}) makes another"
 
     def __init__(self, pixels, *, normals="colour", wrap="repeat", directx=False, strength=1.0, status=None):
-        pixels = np.ascontiguousarray(pixels, np.float32)
         options, bits = structs.SlopeOptions(), ctypes.c_uint()
         LIB.shade_slope_options_init(ctypes.byref(options))
         options.normals, options.wrap = one_of("normals", normals, NORMALS), one_of("wrap", wrap, WRAPS)
-        options.directx = bool(directx)
+        options.directx = truth("directx", directx)
         options.strength, = numbers("strength", strength, 1, 0, 100)
+        pixels = self._floats(np.asarray(pixels), coloured=options.normals == 0)
         if pixels.ndim != 3 or pixels.shape[2] < 2 or not all(1 <= side <= 65536 for side in pixels.shape[:2]):
             raise ValueError(f"pixels: an array of shape {pixels.shape} given; expected (height, width, 2 or more), "
                              "sides of 1 to 65536")
@@ -58,6 +61,18 @@ class SlopeMap:
         weakref.finalize(self, LIB.shade_slope_map_free, self._map)
         gather(status, bits.value)
 
+    @staticmethod
+    def _floats(pixels, coloured):
+        if pixels.dtype.kind == "u" and coloured:
+            pixels = pixels / np.float32(np.iinfo(pixels.dtype).max)
+        elif pixels.dtype.kind != "f":
+            raise ValueError(f"pixels: an array of {pixels.dtype} given; expected floats, or with normals \"colour\" a "
+                             "picture of uint8 or uint16")
+        elif coloured and (pixels > 2).any():
+            raise ValueError(f"pixels: colours up to {np.nanmax(pixels):g} given; expected 0 to 1 (a picture of uint8 or "
+                             "uint16 is scaled)")
+        return np.ascontiguousarray(pixels, np.float32)
+
     def look_up(self, uv, footprint=None, *, status=None):
         """Mean normal (…, 3) and covariance of the slopes (…, 3: xx, xy, yy) over the footprint (…, 4: the sides
         du1, dv1, du2, dv2 of a parallelogram in uv) about uv (…, 2); microseconds each."""
@@ -65,10 +80,12 @@ class SlopeMap:
                            lambda *rest: LIB.shade_slope_lookup(self._map, *rest), status)
 
 
-class Scratches:
+class Scratches(Fixed):
     """A field of scratches on a tile that repeats. `layers`: dictionaries, at most 8, of pits (how many), radius,
     stretch, depth (a number or the two ends of a range), direction, spread (radians): maps.h. `cells`: of the
     table that answers footprints; 0: none."""
+
+    CHANGED = "shade.Scratches(…, {}) makes another"
 
     RANGES = {"radius": (1e-6, 0.5), "stretch": (1, 1e5), "depth": (0, 0.99)}
     SINGLE = {"pits": (0, 4000000), "direction": (-1e6, 1e6), "spread": (0, np.pi / 2)}

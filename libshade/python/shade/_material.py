@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _structs as structs
 from ._arrays import Call, gather
-from ._library import DEFAULTS, LIB, PARAMS_SIZE, Preset, one_of, rows, text, words
+from ._library import DEFAULTS, LIB, PARAMS_SIZE, Fixed, Preset, one_of, rows, text, truth, words
 
 Parameter = collections.namedtuple(
     "Parameter", "word unit help components minimum maximum initial list choices")
@@ -69,6 +69,12 @@ def numbers(name, value, components, minimum, maximum):
     return (ctypes.c_double * components)(*np.broadcast_to(given, components))
 
 
+def _no_axis_twice(given):
+    for exponent, alpha in (("ex", "ax"), ("ey", "ay")):
+        if exponent in given and alpha in given:
+            raise TypeError(f"{exponent} and {alpha} given; expected one of them, which sets the other")
+
+
 def default_of(name, defaults):
     """A list's default, as a number, in a version of the defaults; None: the newest."""
     if defaults is None:
@@ -78,16 +84,18 @@ def default_of(name, defaults):
     return LIB.shade_list_default(list(lists()).index(name), defaults)
 
 
-class Material:
+class Material(Fixed):
     """A metal or another surface, ready to be evaluated. Choices and numbers by the names of the table
     (`shade.lists()`, `shade.parameters()`): `Material(mdf="ggx", ax=.1, ay=.4, f0=(.9, .7, .3))`.
 
-    An exponent sets the alpha of its axis and the other way round. `preset` (a metal of `shade.presets()`) and
+    An exponent sets the alpha of its axis and the other way round: give one of them. `preset` (a metal of `shade.presets()`) and
     `metal` (of `shade.metals()`) are taken first, then `roughness=(convention, roughness, anisotropy)` as another
     program states it, then the rest. `defaults` is the version of the defaults, 0 those of libshade 0.2 (brdf
     ashikhmin_shirley, not auto); without it the newest. `fast` is a word of older versions: float. Values are read as
     attributes and never change: `replace` makes another material.
     """
+
+    CHANGED = "replace({}) makes a material like it that has it"
 
     def __init__(self, *, preset=None, metal=None, roughness=None, fast=None, defaults=None, **values):
         self._params = (ctypes.c_double * (PARAMS_SIZE // 8))()
@@ -120,7 +128,8 @@ class Material:
             anisotropy, = numbers("anisotropy", anisotropy, 1, -1, 1)
             LIB.shade_params_set_roughness(self._params, value, rough, anisotropy)
         if fast is not None:
-            structs.ParamsHead.from_buffer(self._params).fast = bool(fast)
+            structs.ParamsHead.from_buffer(self._params).fast = truth("fast", fast)
+        _no_axis_twice(values)
         for name, value in values.items():
             self._set_one(name, value)
         self._bsdf = structs.Bsdf()
@@ -189,6 +198,7 @@ UP = (0.0, 0.0, 1.0)
 
 def _varied(call, parts, varied):
     """Parameters of each sample. Returns the number of `parts`."""
+    _no_axis_twice(varied)
     for name, value in varied.items():
         if name in COLOURS:
             call.add(name, value, *(name + c for c in "rgb"))
