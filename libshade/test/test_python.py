@@ -2,6 +2,7 @@
 """The Python module: its structures and prototypes against a C compiler and the headers, what it shades against the
 reference (through the tool), arrays of all shapes, errors."""
 import doctest
+import inspect
 import math
 import os
 import pathlib
@@ -68,6 +69,17 @@ def test_prototypes():
     for line in filter(None, _library.PROTOTYPES.splitlines()):
         returns, name, *parameters = line.split()
         assert f"{returns} {''.join(parameters)}" == declared[name], name
+
+
+def test_types():
+    """Everything public says what it takes and gives; mypy (make lint) holds the code to it."""
+    public = [made for name in shade.__all__ if callable(made := getattr(shade, name))]
+    public += [method for made in public if inspect.isclass(made) for name, method in vars(made).items()
+               if inspect.isfunction(method) and (not name.startswith("_") or name == "__init__")]
+    functions = [made for made in map(inspect.unwrap, public) if inspect.isfunction(made)]
+    untyped = [f"{made.__qualname__}: {name}" for made in functions
+               for name in [*inspect.signature(made).parameters, "return"] if name not in (*made.__annotations__, "self")]
+    assert not untyped and len(functions) > 25 and (ROOT / "libshade/python/shade/py.typed").exists()
 
 
 @pytest.mark.parametrize("name, says", [

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """From numpy's arrays of any shape to the library's, one contiguous array a component, and back."""
 import ctypes
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.floating[Any]]  # of no axes: a number
 
 STATUS = {1: "clamped parameter", 2: "clamped normal", 4: "bad input", 8: "bad choice", 16: "no sample"}
 
@@ -12,19 +16,19 @@ class Status:
 
     __slots__ = ("bits",)
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.bits = 0
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         return self.bits != 0
 
-    def __contains__(self, words):
+    def __contains__(self, words: str) -> bool:
         return any(bit & self.bits for bit, name in STATUS.items() if name == words)
 
-    def __str__(self):
+    def __str__(self) -> str:
         return ", ".join(name for bit, name in STATUS.items() if bit & self.bits) or "ok"
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<shade.Status: {self}>"
 
 

@@ -4,6 +4,7 @@ import ctypes
 import difflib
 import os
 import pathlib
+from typing import Any
 
 from . import _structs as structs
 
@@ -176,7 +177,7 @@ class Fixed:
 
     CHANGED = "make another"
 
-    def __setattr__(self, name, value):
+    def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_"):
             near = difflib.get_close_matches(name, (word for word in dir(self) if not word.startswith("_")), 1)
             meant = near[0] if near else name
