@@ -127,6 +127,7 @@ def directions(count, seed, lowest=0.2):
 
 
 COUNT = 40
+SCRATCH = {"pits": 1, "radius": 0.01, "stretch": 1}
 N, WI, WO = directions(COUNT, 1, 0.6), directions(COUNT, 2), directions(COUNT, 3)
 
 
@@ -465,6 +466,63 @@ def test_pixels_of_whole_numbers():
             (coloured[..., 0] / 255, "colour", r"shape \(5, 4\) given; expected \(height, width, 2 or more\)")):
         with pytest.raises(ValueError, match=says):
             shade.SlopeMap(pixels, normals=normals)
+
+
+ONE = np.float32([[[0.002, 0, 1]]])
+
+
+def test_options_of_maps():
+    """Strength multiplies slopes, up to 100 times; directx turns green about; beyond the edge it is as wrap says."""
+    seen = shade.SlopeMap(ONE, normals="signed", strength=100).look_up([0.5, 0.5]).normal
+    assert seen == pytest.approx(np.array([0.2, 0, 1]) / math.hypot(0.2, 1), rel=1e-6)
+    steps = np.float32([[[0, 0.1, 1], [0.1, 0.1, 1], [0.2, 0.1, 1], [0.3, 0.1, 1]]])
+    for wrap, there in (("repeat", 0.1), ("clamp", 0.3), ("mirror", 0.2)):
+        x, y, z = shade.SlopeMap(steps, normals="signed", wrap=wrap, directx=wrap == "clamp").look_up([1.375, 0.5]).normal
+        assert (x / z, y / z) == pytest.approx((there, -0.1 if wrap == "clamp" else 0.1), rel=1e-5)
+
+
+@pytest.mark.parametrize("make, low, high", [
+    (lambda v: shade.SlopeMap(ONE, strength=v), 0, 100),
+    (lambda v: shade.Scratches(SCRATCH, aspect=v, cells=0), 1e-3, 1e3),
+    (lambda v: shade.Scratches(SCRATCH | {"radius": v}, cells=0), 1e-6, 0.5),
+    (lambda v: shade.Scratches(SCRATCH | {"stretch": v}, cells=0), 1, 1e5),
+    (lambda v: shade.Scratches(SCRATCH | {"depth": v}, cells=0), 0, 0.99),
+    (lambda v: shade.Scratches(SCRATCH | {"direction": v}, cells=0), -1e6, 1e6),
+    (lambda v: shade.Scratches(SCRATCH | {"spread": v}, cells=0), 0, math.pi / 2),
+    (lambda v: shade.Material(roughness=("gltf", v, 0)), 0, 1),
+    (lambda v: shade.Material(roughness=("gltf", 0.5, v)), -1, 1),
+    (lambda v: shade.split(shade.Material(), None, [0.01, 0, 0.01], v), 1, 8)])
+def test_ranges(make, low, high):
+    """Those of maps.h and the manual: both ends are taken, what lies beyond is not."""
+    for inside, beyond in ((low, low - 1e-3), (high, high * (1 + 1e-6))):
+        make(inside)
+        with pytest.raises(ValueError, match="expected a number from"):
+            make(beyond)
+
+
+def test_what_is_made_is_freed(monkeypatch):
+    """What the library hands out goes back to it, each once."""
+    held, made = [], []
+
+    def watch(name, done):
+        function = getattr(_library.LIB, name)
+        monkeypatch.setattr(_library.LIB, name, lambda *given: done(given[0], function(*given)))
+
+    def taken(_given, result):
+        held.append(result)
+        made.append(result)
+        return result
+
+    for name in ("slope_map_create", "scratch_create", "weave_create", "fabric_create", "draft_named", "draft_from_pattern"):
+        watch(f"shade_{name}", taken)
+    for name in ("slope_map_free", "scratch_free", "weave_free", "fabric_free", "draft_free"):
+        watch(f"shade_{name}", lambda given, _result: held.remove(given))
+    for make in (lambda: shade.SlopeMap(ONE), lambda: shade.Scratches(SCRATCH, cells=0), lambda: shade.fabric("denim"),
+                 lambda: shade.fabric(pattern=(1, 2, 1))):
+        before, thing = len(made), make()
+        assert held and len(made) > before
+        del thing
+        assert not held
 
 
 def test_each_place_has_a_footprint_of_its_own():

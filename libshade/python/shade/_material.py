@@ -93,7 +93,7 @@ class Material(Fixed):
     An exponent sets the alpha of its axis and the other way round: give one of them. `preset` (a metal of `shade.presets()`) and
     `metal` (of `shade.metals()`) are taken first, then `roughness=(convention, roughness, anisotropy)` as another
     program states it, then the rest. `defaults` is the version of the defaults, 0 those of libshade 0.2 (brdf
-    ashikhmin_shirley, not auto); without it the newest. `fast` is a word of older versions: float. Values are read as
+    ashikhmin_shirley, not auto); without it the newest. `fast` is a word of older versions, read no more. Values are read as
     attributes and never change: `replace` makes another material.
     """
 
@@ -132,7 +132,7 @@ class Material(Fixed):
             anisotropy, = numbers("anisotropy", anisotropy, 1, -1, 1)
             LIB.shade_params_set_roughness(self._params, value, rough, anisotropy)
         if fast is not None:
-            structs.ParamsHead.from_buffer(self._params).fast = truth("fast", fast)
+            truth("fast", fast)
         _no_axis_twice(values)
         for name, value in values.items():
             self._set_one(name, value)
