@@ -256,6 +256,8 @@ def test_materials():
     # KHR_materials_anisotropy: alpha along the tangent is mix(a, 1, strength^2), across it a = r^2
     gltf = shade.Material(roughness=("gltf", 0.5, 0.3))
     assert sorted([gltf.ax, gltf.ay]) == pytest.approx([0.25, 0.25 + 0.75 * 0.09])
+    changed = older.replace(metal="gold", roughness=("gltf", 0.5, 0.3))
+    assert (changed.ax, changed.k, changed.mdf) == (gltf.ax, gold.k, "ggx")
     fast, careful = (shade.D(shade.Material(fast=f), N.astype("f4"), WI.astype("f4")) for f in (True, False))
     assert fast.dtype == np.float32 and fast.tolist() == careful.tolist()  # a word of older versions
     assert {row.word for row in shade.parameters().values() if row.list == "mdf"} == {"ex", "ey", "ax", "ay"}
@@ -408,6 +410,23 @@ def test_cloth_parameters():
     with pytest.raises(ValueError, match="tier: 'high' given"):
         bright.eval([0, 0], WI, WO, tier="high")
     assert {row.kind for row in shade.presets().values()} == {"fabric", "metal"} and "plain" in shade.weaves()
+
+
+def test_options_of_cloth():
+    """Each changes what is seen, in the direction that its name says."""
+    uv, up, low = np.random.default_rng(1).uniform(0, 8, (64, 2)), [0, 0, 1.0], np.array([0.98, 0, math.sqrt(1 - 0.98**2)])
+    assert shade.fabric(occlusion="none").look_up(uv)["occlusion"].min() == 1 > shade.fabric(occlusion="sky").look_up(uv)["occlusion"].min()
+
+    def mean(light, **given):
+        return shade.fabric(**given).eval(uv, light, up, tier="near").mean(0)
+
+    assert (mean(low, preset="denim", shadows=True) < 0.95 * mean(low, preset="denim", shadows=False)).all()
+    (red, _, blue), (grey, _, same) = (mean(up, wif=ROOT / "examples/weaves/denim.wif", draft_colors=own) for own in (True, False))
+    assert blue > 1.05 * red and grey == same  # indigo, as the file has it
+    # light across the yarn: the fibre's normal that faces it most sees all of it
+    for yarn, light in (("warp", low), ("weft", low[[1, 0, 2]])):
+        lambert, facing = (mean(light, **{yarn: {"diffuse": word, "kd": 0.5}}) for word in ("lambert", "max_normal"))
+        assert (facing > 1.5 * lambert).all()
 
 
 def test_what_was_mended_in_a_draft_is_warned_of(tmp_path):
@@ -570,6 +589,8 @@ def test_scratches():
     y, x = 120, 250
     seen = field.look_up([(x + 0.5) / 400, 1 - (y + 0.5) / 400]).normal
     assert seen == pytest.approx(normal[y, x], abs=1e-6)
+    tall = shade.Scratches({"pits": 3, "radius": 0.1, "stretch": 1, "depth": 0.2}, cells=0, seed=3, aspect=2).picture(200, 400)[0]
+    assert np.mean(tall < 0) == pytest.approx(np.mean(height < 0) / 2, rel=0.05)
     for layer, error, says in (({"depth": 2}, ValueError, "depth: 2.* given; expected a number from 0 to 0.99"),
                                ({"radius": (1, 2, 3)}, ValueError, "radius"), ({"wide": 1}, TypeError, "'wide'")):
         with pytest.raises(error, match=says):
