@@ -46,7 +46,7 @@ INSTALLED_MAN1 := $(wildcard $(L)/man/*.1)
 INSTALLED_MAN3 := $(wildcard $(L)/man/*.3)
 # the tool looks for it in ../libexec/shade from where it is itself
 INSTALLED_MODULE = $(OIIO_MODULE:$(B)/%=$(LIBEXECDIR)/shade/%)
-PYTHON_MODULE := $(wildcard $(L)/python/shade/*.py)
+PYTHON_MODULE := $(wildcard $(L)/python/shade/*.py) $(L)/python/shade/py.typed
 # beside it: where the library is, seen from there, so that both can be moved together
 PYTHON_PLACE := library.txt
 INSTALLED_PYTHON = $(addprefix $(PYTHONDIR)/shade/,$(notdir $(PYTHON_MODULE)) $(PYTHON_PLACE))

@@ -14,7 +14,7 @@ COST = 5
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))
-MODULE = sorted((ROOT / "libshade/python/shade").glob("*.py"))
+MODULE = sorted(path for path in (ROOT / "libshade/python/shade").iterdir() if path.is_file())
 PAGES = sorted((ROOT / "libshade/man").iterdir())
 # a make of its own, not a part of the one that may have started this
 ENVIRONMENT = {key: value for key, value in os.environ.items()
@@ -67,20 +67,37 @@ def test_files(prefix):
     assert run(prefix / "bin/shade", "--version").startswith(f"shade {version()} (")
 
 
-def test_python_module(prefix, tmp_path):
-    """It finds the library that was installed with it, from anywhere, and when both were moved."""
+def shades(folder, library, elsewhere):
+    """Whether the module in that folder calls that library, and gets the peak that it should."""
     script = ("import shade; print(shade.library, shade.D(shade.Material(ex=200, ey=10), None, [0, 0, 1.])"
               " * 2 * 3.141592653589793)")
+    found, peak = subprocess.run([sys.executable, "-B", "-c", script], capture_output=True, text=True, check=True,
+                                 cwd=elsewhere, env=ENVIRONMENT | {"PYTHONPATH": str(folder)}).stdout.split()
+    return os.path.realpath(found) == os.path.realpath(library) and float(peak) == pytest.approx(math.sqrt(201 * 11))
+
+
+def test_python_module(prefix, tmp_path):
+    """It finds the library that was installed with it, from anywhere, and when both were moved."""
     moved = tmp_path / "moved"
     shutil.copytree(prefix, moved, symlinks=True)
     for place in (prefix, moved):
-        found, peak = subprocess.run(
-            [sys.executable, "-B", "-c", script], capture_output=True, text=True, check=True, cwd=tmp_path,
-            env=ENVIRONMENT | {"PYTHONPATH": str(place / "lib/python3/dist-packages")}).stdout.split()
-        assert os.path.realpath(found) == os.path.realpath(place / f"lib/libshade.so.{version()}")
-        assert float(peak) == pytest.approx(math.sqrt(201 * 11))
+        assert shades(place / "lib/python3/dist-packages", place / f"lib/libshade.so.{version()}", tmp_path)
     found = list((prefix / "lib/python3/dist-packages/shade").iterdir())
     assert {path.name for path in found} == {"library.txt", *(path.name for path in MODULE)}
+
+
+def test_wheel(tmp_path):
+    """Its library lies beside its module; for any Python of this kind of machine."""
+    python = "/usr/bin/python3"
+    if subprocess.run([python, "-c", "import setuptools, wheel, pip"], capture_output=True, check=False).returncode:
+        pytest.skip("no pip, setuptools or wheel for /usr/bin/python3 (in setup/packages-test.txt)")
+    run(python, "-m", "pip", "install", "--no-index", "--no-deps", "--no-build-isolation", "--no-compile", "--target", tmp_path,
+        ROOT / "libshade/python")
+    library = f"libshade.so.{version()}"
+    assert files(tmp_path / "shade") == {"Apache-2.0.txt", "library.txt", library, *(path.name for path in MODULE)}
+    about = (tmp_path / f"libshade-{version()}.dist-info/WHEEL").read_text(encoding="utf-8")
+    assert re.search(r"^Tag: cp310-abi3-linux_", about, re.M), about
+    assert shades(tmp_path, tmp_path / "shade" / library, tmp_path)
 
 
 @pytest.mark.parametrize("where", ["/usr/local", "/usr"])
@@ -90,11 +107,6 @@ def test_python_looks_there(tmp_path, where):
     found, = tmp_path.glob("usr/**/shade/__init__.py")
     folder = "/" + str(found.parents[1].relative_to(tmp_path))
     assert folder in run("/usr/bin/python3", "-c", "import site; print(*site.getsitepackages())").split()
-    cache = found.parent / "__pycache__"
-    cache.mkdir()
-    (cache / "__init__.cpython-311.pyc").touch()
-    run("make", "uninstall", f"DESTDIR={tmp_path}", f"PREFIX={where}")
-    assert not files(tmp_path)
 
 
 def test_destdir_and_uninstall(tmp_path):
@@ -111,6 +123,9 @@ def test_destdir_and_uninstall(tmp_path):
     assert str(tmp_path) not in pc
     place = (tmp_path / "opt/shade/lib/python3/dist-packages/shade/library.txt").read_text()
     assert place == f"../../../../../../usr/lib/some-triplet/libshade.so.{version()}\n"
+    cache = tmp_path / "opt/shade/lib/python3/dist-packages/shade/__pycache__"
+    cache.mkdir()
+    (cache / "__init__.cpython-311.pyc").touch()
     run("make", "uninstall", *where)
     assert files(tmp_path) == {"opt/shade/include/shade/mine.h"}
     strange.unlink()

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """From numpy's arrays of any shape to the library's, one contiguous array a component, and back."""
 import ctypes
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.floating[Any]]  # of no axes: a number
 
 STATUS = {1: "clamped parameter", 2: "clamped normal", 4: "bad input", 8: "bad choice", 16: "no sample"}
 
@@ -10,19 +14,21 @@ STATUS = {1: "clamped parameter", 2: "clamped normal", 4: "bad input", 8: "bad c
 class Status:
     """Gathers what had to be mended: hand it to calls as `status=`, then look at its truth, `bits` or text."""
 
-    def __init__(self):
+    __slots__ = ("bits",)
+
+    def __init__(self) -> None:
         self.bits = 0
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         return self.bits != 0
 
-    def __contains__(self, words):
+    def __contains__(self, words: str) -> bool:
         return any(bit & self.bits for bit, name in STATUS.items() if name == words)
 
-    def __str__(self):
+    def __str__(self) -> str:
         return ", ".join(name for bit, name in STATUS.items() if bit & self.bits) or "ok"
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<shade.Status: {self}>"
 
 
@@ -47,12 +53,14 @@ class Call:
         try:
             array = np.asarray(value)
             if array.dtype.kind not in "fiub":
-                array = array.astype(np.float64)
+                array = array.astype(np.float64, casting="no" if array.dtype.kind == "c" else "unsafe")
         except (TypeError, ValueError):
             raise ValueError(f"{name}: {value!r:.80} given; expected numbers") from None
+        if array.dtype.kind == "u":
+            raise ValueError(f"{name}: an array of {array.dtype} given; expected numbers as they are: of a picture "
+                             f"divide by {np.iinfo(array.dtype).max}, and undo the curve of its colours")
         if len(members) > 1 and (array.ndim == 0 or array.shape[-1] != len(members)):
-            raise ValueError(f"{name}: an array of shape {array.shape} given; its last axis must be "
-                             f"{len(members)} long")
+            raise ValueError(f"{name}: an array of shape {array.shape} given; expected (…, {len(members)})")
         strong = isinstance(value, (np.ndarray, np.generic))
         self.given.append((name, array, members, strong))
         return self

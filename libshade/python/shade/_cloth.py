@@ -1,28 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
 """Woven cloth over numpy arrays (fabric.h, weave.h), and the presets (presets.h)."""
-import collections
 import ctypes
 import functools
+import os
 import warnings
 import weakref
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _structs as structs
-from ._arrays import Call, gather
-from ._library import LIB, Preset, one_of, rows, text, words
+from ._arrays import Call, Floats, Status, gather
+from ._library import LIB, Fixed, Preset, one_of, rows, text, truth, words
 from ._material import choices, default_of, numbers
 
-PresetRow = collections.namedtuple(
-    "PresetRow", "kind label help source color_source weave ends_per_cm picks_per_cm scratch_cm turned")
-DrawnLight = collections.namedtuple("DrawnLight", "wi s pdf")
-Info = collections.namedtuple("Info", "warp_lobes weft_lobes warp_share weft_share warp_single weft_single")
+PresetRow = NamedTuple("PresetRow", [
+    ("kind", str), ("label", str), ("help", str), ("source", str), ("color_source", str), ("weave", str | None),
+    ("ends_per_cm", float), ("picks_per_cm", float), ("scratch_cm", float), ("turned", bool)])
+DrawnLight = NamedTuple("DrawnLight", [("wi", Floats), ("s", Floats), ("pdf", Floats)])
+Info = NamedTuple("Info", [("warp_lobes", int), ("weft_lobes", int), ("warp_share", float), ("weft_share", float),
+                           ("warp_single", tuple[float, ...]), ("weft_single", tuple[float, ...])])
 TIERS = {"auto": (0,), "near": (1,), "far": (2,), "single": (3,)}
 TOPS = ("weft", "warp", "gap")
 CHOICES = ("mdf", "brdf", "detail", "horizon")
 
 
-def presets():
+def presets() -> dict[str, PresetRow]:
     """{name: PresetRow} of cloths (kind "fabric") and metals (kind "metal"). Lengths are per cm or in cm."""
     return {text(row.word): PresetRow(
         "metal" if row.kind else "fabric", text(row.label), text(row.help), text(row.source), text(row.color_source),
@@ -31,7 +35,7 @@ def presets():
 
 
 @functools.lru_cache(None)
-def weaves():
+def weaves() -> dict[str, str]:
     """{name: label} of the weaves that `fabric(weave=…)` takes."""
     listed, word, label = {}, ctypes.c_char_p(), ctypes.c_char_p()
     while LIB.shade_weave_row(len(listed), ctypes.byref(word), ctypes.byref(label), None):
@@ -106,8 +110,9 @@ def _set_yarn(name, shape, yarn, values):
                             + ", ".join(["diffuse", *material, *shapes]))
 
 
-def fabric(preset=None, *, weave=None, pattern=None, draft=None, wif=None, warp=None, weft=None, defaults=None,
-           **values):
+def fabric(preset: str | None = None, *, weave: str | None = None, pattern: ArrayLike | None = None,
+           draft: ArrayLike | None = None, wif: str | os.PathLike[str] | None = None, warp: dict[str, Any] | None = None,
+           weft: dict[str, Any] | None = None, defaults: int | None = None, **values: Any) -> "Fabric":
     """A cloth: a preset (`shade.presets()`), changed by what else is given, or plain weave of the defaults.
 
     One of `weave` (a name), `pattern` (n_w, n_p, n_s), `draft` (an array of picks × ends, not 0 where the warp is
@@ -137,7 +142,7 @@ def fabric(preset=None, *, weave=None, pattern=None, draft=None, wif=None, warp=
         elif word == "seed":
             yarns.seed = int(value) & 0xFFFFFFFF
         elif word in ("draft_colors", "shadows"):
-            setattr(cloth, word, bool(value))
+            setattr(cloth, word, truth(word, value))
         else:
             raise TypeError(f"{word!r}: no such parameter; there are "
                             + ", ".join([*CHOICES, "occlusion", "seed", "draft_colors", "shadows", *known]))
@@ -152,10 +157,12 @@ def _free(cloth, weave):
     LIB.shade_weave_free(weave)
 
 
-class Fabric:
+class Fabric(Fixed):
     """A cloth ready to be evaluated; `shade.fabric` makes it."""
 
-    def __init__(self, draft, yarns, cloth):
+    CHANGED = "shade.fabric(…, {}) makes another"
+
+    def __init__(self, draft: Any, yarns: structs.WeaveParams, cloth: structs.FabricParams) -> None:
         bits = ctypes.c_uint()
         weave = LIB.shade_weave_create(draft, ctypes.byref(yarns), ctypes.byref(bits))
         LIB.shade_draft_free(draft)
@@ -187,7 +194,8 @@ class Fabric:
                                 ctypes.byref(result)))
         return made
 
-    def eval(self, uv, wi, wo, *, footprint=None, n=None, tier="auto", status=None, **varied):
+    def eval(self, uv: ArrayLike, wi: ArrayLike, wo: ArrayLike, *, footprint: ArrayLike | None = None,
+             n: ArrayLike | None = None, tier: str = "auto", status: Status | None = None, **varied: ArrayLike) -> Floats:
         """s, what is seen for unit irradiance from wi, f · cos, RGB, in 1/sr: an array (…, 3).
 
         uv (…, 2): where, in crossings; footprint: extent of the pixel along u and v, (…, 2) or one number; n
@@ -197,24 +205,27 @@ class Fabric:
         return self._call("shade_fabric_eval_batch", uv, wi, wo, None, footprint, n, tier, varied, status,
                           s="r g b")["s"]
 
-    def coverage(self, uv, wo, *, footprint=None, n=None, tier="auto", status=None, **varied):
+    def coverage(self, uv: ArrayLike, wo: ArrayLike, *, footprint: ArrayLike | None = None,
+                 n: ArrayLike | None = None, tier: str = "auto", status: Status | None = None, **varied: ArrayLike) -> Floats:
         """The share of the eye's ray that meets yarn, fibres or backing: an array (…)."""
         return self._call("shade_fabric_eval_batch", uv, wo, wo, None, footprint, n, tier, varied, status,
                           s="r g b", coverage="coverage")["coverage"][()]
 
-    def pdf(self, uv, wi, wo, *, footprint=None, n=None, tier="auto", status=None, **varied):
+    def pdf(self, uv: ArrayLike, wi: ArrayLike, wo: ArrayLike, *, footprint: ArrayLike | None = None,
+            n: ArrayLike | None = None, tier: str = "auto", status: Status | None = None, **varied: ArrayLike) -> Floats:
         """The density, in 1/sr, with which `sample` draws wi: an array (…)."""
         return self._call("shade_fabric_pdf_batch", uv, wi, wo, None, footprint, n, tier, varied, status,
                           pdf="pdf")["pdf"][()]
 
-    def sample(self, uv, wo, u, *, footprint=None, n=None, tier="auto", status=None, **varied):
+    def sample(self, uv: ArrayLike, wo: ArrayLike, u: ArrayLike, *, footprint: ArrayLike | None = None,
+               n: ArrayLike | None = None, tier: str = "auto", status: Status | None = None, **varied: ArrayLike) -> DrawnLight:
         """Draw wi for wo from u (…, 3), uniform in [0, 1). Returns (wi, s, pdf); all 0 where no direction was
         found. s / pdf over u is the albedo."""
         made = self._call("shade_fabric_sample_batch", uv, None, wo, u, footprint, n, tier, varied, status,
                           wi="wix wiy wiz", s="r g b", pdf="pdf")
         return DrawnLight(made["wi"], made["s"], made["pdf"][()])
 
-    def albedo(self, wo):
+    def albedo(self, wo: ArrayLike) -> Floats:
         """RGB of the share of even light that the far model sends towards wo (…, 3); some milliseconds each."""
         call = Call().add("wo", np.asarray(wo, np.float64), "x", "y", "z").prepare()
         out = np.zeros((call.count, 3))
@@ -222,7 +233,7 @@ class Fabric:
             LIB.shade_fabric_albedo_towards(self._fabric, direction.copy().ctypes.data, row.ctypes.data)
         return out.reshape(*call.shape, 3)
 
-    def look_up(self, uv, *, status=None):
+    def look_up(self, uv: ArrayLike, *, status: Status | None = None) -> dict[str, Any]:
         """What lies at uv (…, 2): a dictionary of arrays (…), weave.h's shade_crossing; `top` is 0 weft, 1 warp,
         2 gap."""
         call = Call().add("uv", uv, "u", "v").prepare()
@@ -236,9 +247,10 @@ class Fabric:
                                 ctypes.byref(result)))
         return {name: array.reshape(call.shape)[()] for name, array in out.items()}
 
-    def info(self):
+    def info(self) -> Info:
         """How the far model sees the cloth: lobes, shares, and the exponents of tier single."""
         info = structs.FabricInfo()
         LIB.shade_fabric_get_info(self._fabric, ctypes.byref(info))
-        return Info(*(tuple(v) if hasattr(v, "__len__") else v
-                      for v in (getattr(info, name) for name in Info._fields)))
+        values: list[Any] = [tuple(v) if hasattr(v, "__len__") else v
+                             for v in (getattr(info, name) for name in Info._fields)]
+        return Info(*values)

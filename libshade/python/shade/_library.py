@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The shared library: where it is, and the types of the functions that this module calls."""
 import ctypes
+import difflib
 import os
 import pathlib
+from typing import Any
 
 from . import _structs as structs
 
@@ -168,6 +170,28 @@ def words(function, *before):
 def plain(word):
     """A name as all names are read: - and _ alike, without regard to case."""
     return str(word).strip().lower().replace("-", "_")
+
+
+class Fixed:
+    """What is made once: to set an attribute of it, which nothing would read, is an error that says what to do."""
+
+    CHANGED = "make another"
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_"):
+            near = difflib.get_close_matches(name, (word for word in dir(self) if not word.startswith("_")), 1)
+            meant = near[0] if near else name
+            raise AttributeError(f"{name}: a {type(self).__name__} never changes; "
+                                 + (f"did you mean {meant}? " if near and meant != name else "")
+                                 + self.CHANGED.format(f"{meant}={value!r:.40}"))
+        super().__setattr__(name, value)
+
+
+def truth(name, value):
+    """A switch: what is neither on nor off, such as the word "off", is no yes."""
+    if value not in (True, False):
+        raise ValueError(f"{name}: {value!r} given; expected True or False")
+    return bool(value)
 
 
 def one_of(name, word, listed):

@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Normal maps and scratches seen over a footprint, and what they make of a lobe (maps.h)."""
-import collections
 import ctypes
 import weakref
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _structs as structs
-from ._arrays import Call, gather
-from ._library import LIB, PARAMS_SIZE, one_of
+from ._arrays import Call, Floats, Status, gather
+from ._library import LIB, PARAMS_SIZE, Fixed, one_of, truth
 from ._material import UP, Material, numbers
 
-Seen = collections.namedtuple("Seen", "normal covariance")
-Split = collections.namedtuple("Split", "x y angle n weight")
+Seen = NamedTuple("Seen", [("normal", Floats), ("covariance", Floats)])
+Split = NamedTuple("Split", [("x", Floats), ("y", Floats), ("angle", Floats), ("n", Floats), ("weight", Floats)])
 NORMALS = {"colour": (0,), "signed": (1,), "slope": (2,)}
 WRAPS = {"repeat": (0,), "clamp": (1,), "mirror": (2,)}
 LOBES = 8
@@ -37,43 +38,62 @@ def _one_by_one(call, look_up, status):
     return Seen(out[..., :3], out[..., 3:])
 
 
-class SlopeMap:
+class SlopeMap(Fixed):
     """A normal map with its pyramid of slopes. pixels: (height, width, channels), row 0 the top; `normals`:
-    colour, signed or slope; `wrap`: repeat, clamp or mirror; `directx`: green points down; strength: [0, 100]."""
+    colour, signed or slope; `wrap`: repeat, clamp or mirror; `directx`: green points down; strength: [0, 100].
+    Colours are 0 to 1, or of a type of whole numbers without sign, of which the largest counts as 1."""
 
-    def __init__(self, pixels, *, normals="colour", wrap="repeat", directx=False, strength=1.0, status=None):
-        pixels = np.ascontiguousarray(pixels, np.float32)
+    CHANGED = "shade.SlopeMap(…, {}) makes another"
+
+    def __init__(self, pixels: ArrayLike, *, normals: str = "colour", wrap: str = "repeat", directx: bool = False,
+                 strength: float = 1.0, status: Status | None = None) -> None:
         options, bits = structs.SlopeOptions(), ctypes.c_uint()
         LIB.shade_slope_options_init(ctypes.byref(options))
         options.normals, options.wrap = one_of("normals", normals, NORMALS), one_of("wrap", wrap, WRAPS)
-        options.directx = bool(directx)
+        options.directx = truth("directx", directx)
         options.strength, = numbers("strength", strength, 1, 0, 100)
-        if pixels.ndim != 3 or pixels.shape[2] < 2 or not all(1 <= side <= 65536 for side in pixels.shape[:2]):
-            raise ValueError(f"pixels: an array of shape {pixels.shape} given; expected (height, width, 2 or more), "
+        texels = self._floats(np.asarray(pixels), coloured=options.normals == 0)
+        if texels.ndim != 3 or texels.shape[2] < 2 or not all(1 <= side <= 65536 for side in texels.shape[:2]):
+            raise ValueError(f"pixels: an array of shape {texels.shape} given; expected (height, width, 2 or more), "
                              "sides of 1 to 65536")
-        self._map = LIB.shade_slope_map_create(pixels.ctypes.data, pixels.shape[1], pixels.shape[0],
-                                               pixels.shape[2], ctypes.byref(options), ctypes.byref(bits))
+        self._map = LIB.shade_slope_map_create(texels.ctypes.data, texels.shape[1], texels.shape[0],
+                                               texels.shape[2], ctypes.byref(options), ctypes.byref(bits))
         if not self._map:
             raise MemoryError("no room for this map")
         weakref.finalize(self, LIB.shade_slope_map_free, self._map)
         gather(status, bits.value)
 
-    def look_up(self, uv, footprint=None, *, status=None):
+    @staticmethod
+    def _floats(pixels, coloured):
+        if pixels.dtype.kind == "u" and coloured:
+            pixels = pixels / np.float32(np.iinfo(pixels.dtype).max)
+        elif pixels.dtype.kind != "f":
+            raise ValueError(f"pixels: an array of {pixels.dtype} given; expected floats, or with normals \"colour\" a "
+                             "picture of uint8 or uint16")
+        elif coloured and (pixels > 2).any():
+            raise ValueError(f"pixels: colours up to {np.nanmax(pixels):g} given; expected 0 to 1 (a picture of uint8 or "
+                             "uint16 is scaled)")
+        return np.ascontiguousarray(pixels, np.float32)
+
+    def look_up(self, uv: ArrayLike, footprint: ArrayLike | None = None, *, status: Status | None = None) -> Seen:
         """Mean normal (…, 3) and covariance of the slopes (…, 3: xx, xy, yy) over the footprint (…, 4: the sides
         du1, dv1, du2, dv2 of a parallelogram in uv) about uv (…, 2); microseconds each."""
         return _one_by_one(_places(uv, footprint).prepare(),
                            lambda *rest: LIB.shade_slope_lookup(self._map, *rest), status)
 
 
-class Scratches:
+class Scratches(Fixed):
     """A field of scratches on a tile that repeats. `layers`: dictionaries, at most 8, of pits (how many), radius,
     stretch, depth (a number or the two ends of a range), direction, spread (radians): maps.h. `cells`: of the
     table that answers footprints; 0: none."""
 
+    CHANGED = "shade.Scratches(…, {}) makes another"
+
     RANGES = {"radius": (1e-6, 0.5), "stretch": (1, 1e5), "depth": (0, 0.99)}
     SINGLE = {"pits": (0, 4000000), "direction": (-1e6, 1e6), "spread": (0, np.pi / 2)}
 
-    def __init__(self, *layers, seed=None, aspect=None, cells=None):
+    def __init__(self, *layers: dict[str, Any], seed: int | None = None, aspect: float | None = None,
+                 cells: int | None = None) -> None:
         params = structs.ScratchParams()
         LIB.shade_scratch_params_init(ctypes.byref(params))
         if len(layers) > len(params.layer):
@@ -105,13 +125,13 @@ class Scratches:
                 raise TypeError(f"{name!r}: no such parameter of a layer; there are "
                                 + ", ".join([*self.SINGLE, *self.RANGES]))
 
-    def look_up(self, uv, footprint=None, *, status=None):
+    def look_up(self, uv: ArrayLike, footprint: ArrayLike | None = None, *, status: Status | None = None) -> Seen:
         """Mean normal and covariance, as of a SlopeMap; microseconds each."""
         return _one_by_one(
             _places(uv, footprint).prepare(),
             lambda u, v, sides, out: LIB.shade_scratch_eval(self._field, u, v, sides, None, out), status)
 
-    def picture(self, width, height, *, samples=1):
+    def picture(self, width: int, height: int, *, samples: int = 1) -> tuple[Floats, Floats]:
         """(heights (height, width), in tile widths; unit normals (height, width, 3)), float32, row 0 the top."""
         if min(width, height, samples) < 1:
             raise ValueError(f"picture: {width} x {height}, {samples} samples given; expected 1 or more of each")
@@ -121,7 +141,8 @@ class Scratches:
         return depth, normal
 
 
-def split(material, n, covariance, most=1, *, status=None):
+def split(material: Material, n: ArrayLike | None, covariance: ArrayLike, most: int = 1, *,
+          status: Status | None = None) -> Split:
     """The lobes that stand for a material's over slopes of that mean normal n (…, 3; None: z) and covariance (…, 3):
     one of the given, `most` (1 to 8) of equal shape. Returns (x, y, angle, n, weight): the exponents or alphas along
     and across (…); by how much their axes are turned from the tangent, radians (…); normals (…, most, 3), not

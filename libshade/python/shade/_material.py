@@ -1,28 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """Materials, and what one reflects: shade.h over numpy arrays."""
-import collections
 import ctypes
 import functools
 import json
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _structs as structs
-from ._arrays import Call, gather
-from ._library import DEFAULTS, LIB, PARAMS_SIZE, Preset, one_of, rows, text, words
+from ._arrays import Call, Floats, Status, gather
+from ._library import DEFAULTS, LIB, PARAMS_SIZE, Fixed, Preset, one_of, rows, text, truth, words
 
-Parameter = collections.namedtuple(
-    "Parameter", "word unit help components minimum maximum initial list choices")
-Choice = collections.namedtuple("Choice", "value label help")
-MetalRow = collections.namedtuple("MetalRow", "label eta k")
-Shaded = collections.namedtuple("Shaded", "f cosine")
-Drawn = collections.namedtuple("Drawn", "wi f pdf cosine")
+Parameter = NamedTuple("Parameter", [
+    ("word", str), ("unit", str), ("help", str), ("components", int), ("minimum", float), ("maximum", float),
+    ("initial", float), ("list", str | None), ("choices", tuple[str, ...] | None)])
+Choice = NamedTuple("Choice", [("value", int), ("label", str), ("help", str)])
+MetalRow = NamedTuple("MetalRow", [("label", str), ("eta", tuple[float, ...]), ("k", tuple[float, ...])])
+Shaded = NamedTuple("Shaded", [("f", Floats), ("cosine", Floats)])
+Drawn = NamedTuple("Drawn", [("wi", Floats), ("f", Floats), ("pdf", Floats), ("cosine", Floats)])
 COLOURS = ("f0", "f82", "eta", "k", "kd")
 PARTS = {"both": (0,), "specular": (1,), "diffuse": (2,)}
 
 
 @functools.lru_cache(None)
-def lists():
+def lists() -> dict[str, str]:
     """{name of a choice list: its default}: "mdf", "brdf", "detail", …"""
     listed, about = {}, structs.ListInfo()
     while LIB.shade_list_about(len(listed), ctypes.byref(about)):
@@ -31,14 +33,14 @@ def lists():
 
 
 @functools.lru_cache(None)
-def choices(name):
+def choices(name: str) -> dict[str, Choice]:
     """{word: Choice(value, label, help)} of a choice list."""
     number = one_of("list", name, {word: (k,) for k, word in enumerate(lists())})
     return {word: Choice(*row) for word, row in words(LIB.shade_list_row, number).items()}
 
 
 @functools.lru_cache(None)
-def parameters():
+def parameters() -> dict[str, Parameter]:
     """{name: Parameter} of a material's numbers, in the table's order. `list` and `choices` say which choices
     read it (None: all do)."""
     names, listed = list(lists()), {}
@@ -50,7 +52,7 @@ def parameters():
     return listed
 
 
-def metals():
+def metals() -> dict[str, MetalRow]:
     """{word: (label, eta, k)} of the measured metals, eta and k at red, green and blue."""
     return {text(row.word): MetalRow(text(row.label), tuple(row.eta), tuple(row.k))
             for row in rows(LIB.shade_metal_row, structs.Metal)}
@@ -69,6 +71,12 @@ def numbers(name, value, components, minimum, maximum):
     return (ctypes.c_double * components)(*np.broadcast_to(given, components))
 
 
+def _no_axis_twice(given):
+    for exponent, alpha in (("ex", "ax"), ("ey", "ay")):
+        if exponent in given and alpha in given:
+            raise TypeError(f"{exponent} and {alpha} given; expected one of them, which sets the other")
+
+
 def default_of(name, defaults):
     """A list's default, as a number, in a version of the defaults; None: the newest."""
     if defaults is None:
@@ -78,18 +86,22 @@ def default_of(name, defaults):
     return LIB.shade_list_default(list(lists()).index(name), defaults)
 
 
-class Material:
+class Material(Fixed):
     """A metal or another surface, ready to be evaluated. Choices and numbers by the names of the table
     (`shade.lists()`, `shade.parameters()`): `Material(mdf="ggx", ax=.1, ay=.4, f0=(.9, .7, .3))`.
 
-    An exponent sets the alpha of its axis and the other way round. `preset` (a metal of `shade.presets()`) and
+    An exponent sets the alpha of its axis and the other way round: give one of them. `preset` (a metal of `shade.presets()`) and
     `metal` (of `shade.metals()`) are taken first, then `roughness=(convention, roughness, anisotropy)` as another
     program states it, then the rest. `defaults` is the version of the defaults, 0 those of libshade 0.2 (brdf
-    ashikhmin_shirley, not auto); without it the newest. `fast` is a word of older versions: float. Values are read as
+    ashikhmin_shirley, not auto); without it the newest. `fast` is a word of older versions, read no more. Values are read as
     attributes and never change: `replace` makes another material.
     """
 
-    def __init__(self, *, preset=None, metal=None, roughness=None, fast=None, defaults=None, **values):
+    CHANGED = "replace({}) makes a material like it that has it"
+
+    def __init__(self, *, preset: str | None = None, metal: str | None = None,
+                 roughness: tuple[str, float, float] | None = None, fast: bool | None = None,
+                 defaults: int | None = None, **values: Any) -> None:
         self._params = (ctypes.c_double * (PARAMS_SIZE // 8))()
         LIB.shade_params_init(self._params)
         if preset is not None:
@@ -120,7 +132,8 @@ class Material:
             anisotropy, = numbers("anisotropy", anisotropy, 1, -1, 1)
             LIB.shade_params_set_roughness(self._params, value, rough, anisotropy)
         if fast is not None:
-            structs.ParamsHead.from_buffer(self._params).fast = bool(fast)
+            truth("fast", fast)
+        _no_axis_twice(values)
         for name, value in values.items():
             self._set_one(name, value)
         self._bsdf = structs.Bsdf()
@@ -137,14 +150,15 @@ class Material:
             raise TypeError(f"{name!r}: no such parameter; there are preset, metal, roughness, defaults, fast, "
                             + ", ".join([*lists(), *parameters()]))
 
-    def replace(self, *, metal=None, roughness=None, fast=None, **values):
+    def replace(self, *, metal: str | None = None, roughness: tuple[str, float, float] | None = None,
+                fast: bool | None = None, **values: Any) -> "Material":
         """A material like this but for what is given."""
         other = object.__new__(Material)
         other._params = type(self._params)(*self._params)
         other._set(metal, roughness, fast, values)
         return other
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         if name in lists():
             number = list(lists()).index(name)
             return text(LIB.shade_list_word(number, LIB.shade_params_get_choice(self._params, number)))
@@ -154,25 +168,25 @@ class Material:
             return tuple(got) if parameters()[name].components == 3 else got[0]
         raise AttributeError(f"a material has no {name!r}")
 
-    def __dir__(self):
+    def __dir__(self) -> list[str]:
         return [*super().__dir__(), *lists(), *parameters()]
 
-    def json(self, number=0, name=None):
+    def json(self, number: int = 0, name: str | None = None) -> dict[str, Any]:
         """As the header of a dump has it: a dictionary."""
-        name = None if name is None else str(name).encode()
-        length = LIB.shade_params_json(self._params, number, name, None, 0)
+        called = None if name is None else str(name).encode()
+        length = LIB.shade_params_json(self._params, number, called, None, 0)
         buffer = ctypes.create_string_buffer(length + 1)
-        LIB.shade_params_json(self._params, number, name, buffer, len(buffer))
+        LIB.shade_params_json(self._params, number, called, buffer, len(buffer))
         return json.loads(buffer.value)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         said = [f"{name}={getattr(self, name)!r}" for name, first in lists().items() if getattr(self, name) != first]
         reads = {name: row for name, row in parameters().items()
-                 if row.list is None or getattr(self, row.list) in row.choices}
+                 if row.choices is None or getattr(self, str(row.list)) in row.choices}
         said += [f"{name}={getattr(self, name)!r}" for name, row in reads.items()]
         return f"shade.Material({', '.join(said)})"
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _again, (bytes(self._params),)
 
 
@@ -189,6 +203,7 @@ UP = (0.0, 0.0, 1.0)
 
 def _varied(call, parts, varied):
     """Parameters of each sample. Returns the number of `parts`."""
+    _no_axis_twice(varied)
     for name, value in varied.items():
         if name in COLOURS:
             call.add(name, value, *(name + c for c in "rgb"))
@@ -213,7 +228,8 @@ def _made(material):
     return ctypes.byref(material._bsdf)
 
 
-def eval(material, n, wi, wo, *, parts="both", status=None, **varied):
+def eval(material: Material, n: ArrayLike | None, wi: ArrayLike, wo: ArrayLike, *, parts: str = "both",
+         status: Status | None = None, **varied: ArrayLike) -> Shaded:
     """f(wi, wo) in 1/sr, RGB, and its cosine: a picture is f · cosine · irradiance. Returns (f, cosine), of the
     shapes (…, 3) and (…).
 
@@ -231,7 +247,7 @@ def eval(material, n, wi, wo, *, parts="both", status=None, **varied):
     return Shaded(made["f"], made["cosine"][()])
 
 
-def D(material, n, h, *, status=None):
+def D(material: Material, n: ArrayLike | None, h: ArrayLike, *, status: Status | None = None) -> Floats:
     """D'(h), the distribution carried by the perturbed normal, in 1/sr: an array (…)."""
     call = Call().add("n", UP if n is None else n, "nx", "ny", "nz").add("h", h, "hx", "hy", "hz").prepare()
     made, out = call.columns(), np.zeros(call.count, call.dtype)
@@ -240,7 +256,8 @@ def D(material, n, h, *, status=None):
     return out.reshape(call.shape)[()]
 
 
-def pdf(material, n, wi, wo, *, parts="both", status=None, **varied):
+def pdf(material: Material, n: ArrayLike | None, wi: ArrayLike, wo: ArrayLike, *, parts: str = "both",
+        status: Status | None = None, **varied: ArrayLike) -> Floats:
     """The density, in 1/sr, with which `sample` draws wi for wo: an array (…)."""
     call = _directions(Call(), n, wo).add("wi", wi, "wix", "wiy", "wiz")
     number = _varied(call, parts, varied)
@@ -250,7 +267,8 @@ def pdf(material, n, wi, wo, *, parts="both", status=None, **varied):
     return out.reshape(call.shape)[()]
 
 
-def sample(material, n, wo, u, *, parts="both", status=None, **varied):
+def sample(material: Material, n: ArrayLike | None, wo: ArrayLike, u: ArrayLike, *, parts: str = "both",
+           status: Status | None = None, **varied: ArrayLike) -> Drawn:
     """Draw wi for wo from u (…, 2), uniform in [0, 1). Returns (wi, f, pdf, cosine); all 0 where the draw found
     no direction, which counts in an average: f · cosine / pdf over u is the albedo."""
     call = _directions(Call(), n, wo).add("u", u, "u1", "u2")
@@ -262,6 +280,6 @@ def sample(material, n, wo, u, *, parts="both", status=None, **varied):
     return Drawn(made["wi"], made["f"], made["pdf"][()], made["cosine"][()])
 
 
-def isa():
+def isa() -> str:
     """The instruction set that what is made now runs on: "avx512", "avx2", "sse2" or "scalar"."""
     return text(LIB.shade_isa())

@@ -36,7 +36,7 @@ ListInfo = structure("shade_list_info", word=c_char_p, help=c_char_p, initial=c_
                      in_every_dump=c_int, offset=c_size_t)
 Metal = structure("shade_metal", word=c_char_p, label=c_char_p, eta=c_double * 3, k=c_double * 3)
 # the head of shade_params; the rest is set by row
-ParamsHead = structure("shade_params", size=c_size_t, fast=c_int)
+ParamsHead = structure("shade_params", size=c_size_t)
 Bsdf = structure("shade_bsdf", inside=c_double * 128)
 
 Yarn = structure("shade_yarn", along=c_double, across=c_double, f0=c_double * 3, kd=c_double * 3, diffuse=c_int)
