@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "backend/mdf/dump.h"
 
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 
-#include <unistd.h>
-
 #include "dump/dump.h"
+#include "dump/whole.h"
 
 namespace mdf {
 
@@ -36,9 +34,10 @@ Dump::Dump(const std::string &file, int width, int height, int lights, bool clot
   // Better now than after the last pixel.
   const size_t slash = path.rfind('/');
   const std::string folder = (slash == std::string::npos) ? "." : path.substr(0, slash + 1);
-  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+  char wrong[256];
+  if (shade_whole_write(path.c_str(), NULL, 0, wrong, sizeof wrong) != 0) { // only tried
     shade_dump_free(data);
-    throw std::runtime_error("LIBSHADE_DUMP: cannot write " + path + ": " + std::strerror(errno));
+    throw std::runtime_error("LIBSHADE_DUMP: " + path + ", in the folder " + folder + ": " + wrong);
   }
 }
 

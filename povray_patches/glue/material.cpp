@@ -217,6 +217,11 @@ bool *Material::pigment_for(int row) {
                                              : NULL;
 }
 
+void Material::colour_metal() {
+  if (params.fresnel == SHADE_FRESNEL_CONDUCTOR)
+    params.fresnel = SHADE_FRESNEL_SCHLICK;
+}
+
 int Material::level_of(double alpha) {
   int level = -1;
 

@@ -89,6 +89,8 @@ struct Material {
   }
   // Where it is kept that this row of params is the pigment's; NULL: it cannot be.
   bool *pigment_for(int row);
+  // A colour is to come that a metal's own indices would leave no part: they go.
+  void colour_metal();
 
   // Of params, made by Scene::add: all of it, and each part alone. They add up.
   shade_bsdf bsdf, specular, diffuse;

@@ -155,6 +155,10 @@ void Parser::Expect_Mdf_Word(mdf::WordSet words, const std::string &last,
               : mdf::plain_token(Get_Token_String(named_by(Token.Token_Id, Token.Function_Id)))
                     .c_str(),
           hint.c_str());
+  const std::string misspelt = mdf::hint_for_misspelt(words, found);
+  if (nearest.empty() && Token.Token_Id == IDENTIFIER_TOKEN && !misspelt.empty())
+    Error("Expected '%s', undeclared identifier '%s' found instead; %s", expected.c_str(),
+          found.c_str(), misspelt.c_str());
   if (nearest.empty() && Token.Token_Id == IDENTIFIER_TOKEN)
     Error("Expected '%s', undeclared identifier '%s' found instead.", expected.c_str(),
           found.c_str());
@@ -312,6 +316,8 @@ void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &
   shade_param_row(row, &info);
   if (info.components == 3) {
     bool *const pigment = material.pigment_for(row);
+    if (pigment == &material.specular_pigment)
+      material.colour_metal();
     if (pigment != NULL && (*pigment = Parse_Mdf_Pigment()))
       return;
   }
@@ -642,7 +648,8 @@ void Parser::Fill_Mdf_Defaults(shade_params &params, unsigned int stated, const 
 
 void Parser::Parse_Mdf(FINISH *finish) {
   mdf::Material material;
-  std::string of_metal; // the first word of this block that only metals read
+  std::string of_metal;  // the first word of this block that only metals read
+  bool coloured = false; // by `specular`
 
   Get_Token();
   if (Token.Function_Id == OFF_TOKEN) {
@@ -668,6 +675,7 @@ void Parser::Parse_Mdf(FINISH *finish) {
       word = Token.Function_Id;
       if (of_metal.empty() && mdf::is_of_metal(word))
         of_metal = Token.Token_String;
+      coloured = coloured || last == "specular";
       if (word == mdf::BLOCK_TANGENT) {
         Parse_Mdf_Tangent(material);
         MIdentity(finish->Mdf_Space); // it counts from here
@@ -701,6 +709,11 @@ void Parser::Parse_Mdf(FINISH *finish) {
   if (material.cloth && !of_metal.empty())
     Warn_Mdf("'" + of_metal + "' (" + material.name +
              ") has no part in a cloth; what its yarns are is said inside fabric { }.");
+
+  if (coloured && !material.cloth && material.params.fresnel == SHADE_FRESNEL_CONDUCTOR)
+    Warn_Mdf("'specular' (" + material.name +
+             ") has no part in what comes after it, a conductor of its own colour; 'specular' "
+             "after that gives it another.");
 
   char wrong[160];
   if (sceneData->mdfScene->empty() && shade_isa_check(wrong, sizeof wrong) != 0) // once
@@ -739,6 +752,12 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     return;
   for (std::set<const FINISH *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
     scene.use((*i)->Mdf);
+    if ((*i)->UseSubsurface && sceneData->useSubsurface && (*i)->RawDiffuse <= 0.0)
+      Error(
+          "mdf: the finish of the block at %s has 'subsurface' and 'diffuse 0': what is scattered "
+          "below the surface is the finish's diffuse light. Let it have some, as in 'diffuse .6', "
+          "or leave 'subsurface' out.",
+          (*i)->Mdf->name.c_str());
     if ((*i)->Mdf->preset && !is_light_linear(*sceneData))
       Warn_Mdf(
           "colours of presets are made for assumed_gamma 1.0; by this scene's gamma they come out "

@@ -159,6 +159,15 @@ void MdfHit::PathSeed(const unsigned int pixel[2], unsigned int level, const Ray
              seed);
 }
 
+double MdfHit::Chance(const unsigned int seed[2], unsigned int index, unsigned int rays) {
+  unsigned int of[2];
+
+  // of no point's numbers; over paths by the two dimensions of Roberts' sequence
+  split_hash(splitmix64(splitmix64((uint64_t)seed[1] << 32 | seed[0])), of);
+  return fraction(of[0] * 0x1p-32 + index * 0.7548776662466927) +
+         std::floor(fraction(of[1] * 0x1p-32 + index * 0.5698402909980532) * rays);
+}
+
 bool MdfHit::Sample(unsigned int index, const unsigned int seed[2], Vector3d &direction,
                     RGBColour &throughput) const {
   double u[3];

@@ -94,6 +94,9 @@ public:
   // What a hit on a path from there draws by. level: how deep it is.
   static void PathSeed(const unsigned int pixel[2], unsigned int level, const Ray &ray, int layer,
                        unsigned int seed[2]);
+  // By what the shares of textures averaged there are moved along a hit's rays, in [0, rays): each
+  // ray is any texture's. index: which path comes there.
+  static double Chance(const unsigned int seed[2], unsigned int index, unsigned int rays);
   // What came along a ray, no brighter than the block allows.
   void Clamp(RGBColour &colour) const;
 

@@ -260,19 +260,19 @@ namespace {
 std::string place_of(WordSet set) {
   switch (set) {
   case WORDS_BLOCK:
-    return "stands in mdf { } itself";
+    return "belongs in mdf { } itself";
   case WORDS_FABRIC:
-    return "stands in fabric { }";
+    return "belongs in fabric { }";
   case WORDS_YARN:
-    return "stands in warp { }, weft { } or yarns { } of fabric { }";
+    return "belongs in warp { }, weft { } or yarns { } of fabric { }";
   case WORDS_SCRATCHES:
-    return "stands in scratches { }";
+    return "belongs in scratches { }";
   case WORDS_LAYER:
-    return "stands in layer { } of scratches { }";
+    return "belongs in layer { } of scratches { }";
   case WORDS_IMAGE:
-    return "stands in bump_image { }";
+    return "belongs in bump_image { }";
   case WORDS_REFLECTION:
-    return "stands in reflection { }";
+    return "belongs in reflection { }";
   case WORDS_RADIAL:
     return "follows tangent radial <axis>";
   case WORDS_TANGENT:
@@ -311,9 +311,8 @@ const char *place_of_reserved(const std::string &text) {
   return NULL;
 }
 
-} // namespace
-
-std::string hint_for(WordSet set, const std::string &text, const std::string &after) {
+// All other places, those nearest to `set` first.
+std::vector<WordSet> others_than(WordSet set) {
   static const WordSet near[][2] = {{WORDS_FABRIC, WORDS_YARN},
                                     {WORDS_YARN, WORDS_FABRIC},
                                     {WORDS_SCRATCHES, WORDS_LAYER},
@@ -321,18 +320,40 @@ std::string hint_for(WordSet set, const std::string &text, const std::string &af
   static const WordSet far[] = {WORDS_BLOCK,     WORDS_FABRIC, WORDS_YARN,
                                 WORDS_SCRATCHES, WORDS_LAYER,  WORDS_REFLECTION,
                                 WORDS_IMAGE,     WORDS_RADIAL, WORDS_TANGENT};
-  std::vector<WordSet> others;
+  std::vector<WordSet> others, all(far, far + sizeof far / sizeof *far);
 
+  for (size_t i = 0; i < sizeof near / sizeof *near; i++)
+    if (near[i][0] == set)
+      others.push_back(near[i][1]);
+  for (int list = 0; list < SHADE_LIST_COUNT; list++)
+    all.push_back(words_of_list((shade_list)list));
+  for (size_t i = 0; i < all.size(); i++)
+    if (all[i] != set)
+      others.push_back(all[i]);
+  return others;
+}
+
+// "'crimp' belongs in warp { } …", of a word of another place, or "".
+std::string belongs(WordSet set, const std::string &text) {
+  const std::vector<WordSet> others = others_than(set);
+
+  for (size_t i = 0; i < others.size(); i++)
+    if (find_word(others[i], text.c_str()) >= 0)
+      return "'" + text + "' " + place_of(others[i]);
+  return "";
+}
+
+} // namespace
+
+std::string hint_for(WordSet set, const std::string &text, const std::string &after) {
   if (set == words_of_list(SHADE_LIST_DIFFUSE))
     return "a block's diffuse part is a model and a colour, as in diffuse lambert rgb .3; "
            "POV-Ray's "
            "own diffuse stands in finish { }, beside mdf { }";
   if (set == words_of_list(SHADE_LIST_FRESNEL))
     return "as in fresnel schlick";
-  if (set >= WORDS_LIST && find_word(WORDS_BLOCK, text.c_str()) >= 0)
-    return "'" + text + "' " + place_of(WORDS_BLOCK);
   if (set >= WORDS_LIST || text.empty())
-    return "";
+    return belongs(set, text);
   shade_preset preset;
   if ((set == WORDS_BLOCK || set == WORDS_FABRIC || set == WORDS_SCRATCHES) &&
       shade_preset_find(text.c_str(), &preset))
@@ -356,16 +377,23 @@ std::string hint_for(WordSet set, const std::string &text, const std::string &af
   const char *const reserved = place_of_reserved(text);
   if (reserved != NULL && !(set == WORDS_BLOCK && text == "warp"))
     return "'" + text + "' " + reserved;
-  for (size_t i = 0; i < sizeof near / sizeof *near; i++)
-    if (near[i][0] == set)
-      others.push_back(near[i][1]);
-  others.insert(others.end(), far, far + sizeof far / sizeof *far);
-  for (int list = 0; list < SHADE_LIST_COUNT; list++)
-    others.push_back(words_of_list((shade_list)list));
-  for (size_t i = 0; i < others.size(); i++)
-    if (others[i] != set && find_word(others[i], text.c_str()) >= 0)
-      return "'" + text + "' " + place_of(others[i]);
-  return "";
+  return belongs(set, text);
+}
+
+std::string hint_for_misspelt(WordSet set, const std::string &text) {
+  const std::vector<WordSet> others = others_than(set);
+  size_t least = text.size();
+  std::string hint;
+
+  for (size_t i = 0; i < others.size(); i++) {
+    const std::string nearest = nearest_word(others[i], text);
+    const size_t slips = distance(nearest, text);
+    if (!nearest.empty() && slips < least) {
+      least = slips;
+      hint = "did you mean '" + nearest + "', which " + place_of(others[i]) + "?";
+    }
+  }
+  return hint;
 }
 
 std::string hint_outside(const std::string &text) {

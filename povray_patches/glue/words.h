@@ -135,6 +135,8 @@ std::string plain_token(const std::string &name);
 // of another place or of POV-Ray's, or how a list is said. after: the word of the set before it, or
 // "". "" where there is nothing to tell.
 std::string hint_for(WordSet set, const std::string &text, const std::string &after);
+// The same for a word that only one of another place is like: "did you mean …, which …", or "".
+std::string hint_for_misspelt(WordSet set, const std::string &text);
 // The same for something found outside of a block.
 std::string hint_outside(const std::string &text);
 

@@ -220,8 +220,11 @@ def test_no_lights(render):
     assert dump.lights == 0 and dump.hit.any()
 
 
-@pytest.mark.parametrize("path", ["missing/folder/dump.exr", "/proc/dump.exr", "."])
-def test_unwritable_dump_is_an_error(render, path):
+@pytest.mark.parametrize("path, wrong", [("missing/folder/dump.exr", "in the folder missing/folder/: cannot write: No such file or directory"),
+                                         ("/proc/dump.exr", "in the folder /proc/: cannot write: "), (".", "in the folder .: cannot write: is a folder")])
+def test_unwritable_dump_is_an_error(render, path, wrong):
+    """Before the picture is begun."""
     result = render(scene(textured("sphere")), dump=path, fails=True)
     assert result.status != 0
-    assert "LIBSHADE_DUMP" in result.message and path in result.message
+    assert f"LIBSHADE_DUMP: {path}, {wrong}" in result.message, result.message
+    assert "Pixels:" not in result.message and not result.image_path.exists()

@@ -68,6 +68,21 @@ def test_defaults_by_version(render, shade_check):
         assert "mdf_Defaults is the version of a block's defaults, 0 to 1." in " ".join(log.split()), log
 
 
+@pytest.mark.parametrize("metal", ['preset "brushed_gold" scratches off', "ggx .1, .4 fresnel conductor <.2, .9, 1.1>, <3.9, 2.4, 2.3>"])
+def test_specular_colours_a_metal_before_it(render, metal):
+    """Not one that comes after it, which is said."""
+    def block(words):
+        return f"texture {{ pigment {{ rgb <.7, .5, .3> }} finish {{ ambient 0 diffuse 0 mdf {{ {words} }} }} }}"
+    result = render(scene(f"""sphere {{ -2*x, .9 {block(f"{metal} specular rgb <.1, .2, .3>")} }} sphere {{ 0, .9 {block(f"{metal} specular pigment")} }}
+sphere {{ 2*x, .9 {block(f"specular rgb .5 {metal}")} }}""", SUN), (48, 12))
+    own, pigment, last = result.dump.header["materials"]
+    assert (own["fresnel"], pigment["fresnel"], last["fresnel"]) == ("schlick", "schlick", "conductor")
+    assert own["f0"] == pytest.approx([.1, .2, .3], abs=1e-6)
+    seen = result.dump.color[result.dump.id == pigment["id"]]
+    assert len(seen) > 9 and seen == pytest.approx(np.tile([.7, .5, .3], (len(seen), 1)), abs=1e-6)
+    assert result.message.count("has no part in what comes after it, a conductor of its own colour") == 1
+
+
 def test_every_word(material):
     m = material("ashikhmin_shirley 300, 20 detail gram_schmidt groove y fresnel schlick brdf ashikhmin_shirley "
                  "tangent <1, 2, 3> specular rgb <.1, .2, .3>")
@@ -223,10 +238,11 @@ def test_errors_name_line_and_expectation(render, tmp_path, block, message):
     ("fresnel on", "on found instead; as in fresnel schlick."), ("normal { bumps .2 }", "'normal' stands in the texture, beside finish { }, and moves"),
     ("metallic", "the metal's colour follows specular."), ("ambient 0", "'ambient' stands in finish { }, beside mdf { }."),
     ("rgb <.9, .7, .4>", "specular rgb <.9, .7, .4>."), ("rotate 30*y", "'rotate' stands in the texture, beside finish { }."),
-    ("occlusion sky", "'occlusion' stands in fabric { }."), ("warp { }", "'warp' stands in fabric { }."), ("crimp .2", "'crimp' stands in warp { }, weft { } or yarns { }"),
-    ("samples 4", "'samples' stands in reflection { }."), ("fabric { crimp .2 }", "'crimp' stands in warp { }, weft { } or yarns { }"),
-    ("fabric { warp { crossings 3 } }", "'crossings' stands in fabric { }."), ("fabric { tangent x }", "'tangent' stands in mdf { } itself."),
-    ("scratches { pits 3 }", "'pits' stands in layer { } of scratches { }."), ("schlick", "'schlick' follows fresnel."), ("ior 1.5", "follows fresnel conductor.")])
+    ("occlusion sky", "'occlusion' belongs in fabric { }."), ("warp { }", "'warp' belongs in fabric { }."), ("crimp .2", "'crimp' belongs in warp { }, weft { } or yarns { }"),
+    ("samples 4", "'samples' belongs in reflection { }."), ("fabric { crimp .2 }", "'crimp' belongs in warp { }, weft { } or yarns { }"),
+    ("fabric { warp { crossings 3 } }", "'crossings' belongs in fabric { }."), ("fabric { tangent x }", "'tangent' belongs in mdf { } itself."),
+    ("crosings 3", "did you mean 'crossings', which belongs in fabric { }?"), ("detail crossings", "'crossings' belongs in fabric { }."),
+    ("scratches { pits 3 }", "'pits' belongs in layer { } of scratches { }."), ("schlick", "'schlick' follows fresnel."), ("ior 1.5", "follows fresnel conductor.")])
 def test_an_error_tells_where_a_word_belongs(render, block, hint):
     result = render(scene(sphere(block)), (8, 8), fails=True)
     assert result.status == 1 and hint in result.message, result.message
@@ -255,7 +271,7 @@ def test_an_error_tells_where_a_word_belongs(render, block, hint):
     ("bump_image { png a.png }", "mdf: expected the name of a file, in quotes, after 'png', but found 'a'."),
     ("fabric { shadows yes }", "mdf: expected 'on' or 'off' after 'shadows', but found yes."), ("notes \"on\"", "'on' or 'off' after 'notes', but found a text in quotes."),
     ("bump_image { filter 2 }", "after 'filter', but found a number."), ("tangent \"x\"", "Expected 'uv, radial or a vector', a text in quotes found instead"),
-    ("tangent uv uv", "undeclared identifier 'uv' found instead; 'uv' follows tangent."), ("brdf ggx", "undeclared identifier 'ggx' found instead; 'ggx' stands in mdf { } itself."),
+    ("tangent uv uv", "undeclared identifier 'uv' found instead; 'uv' follows tangent."), ("brdf ggx", "undeclared identifier 'ggx' found instead; 'ggx' belongs in mdf { } itself."),
     ("exponent 10", "exponent found instead; 'exponent' is none of the block's words: two exponents follow ashikhmin_shirley"),
     ("ggx (.1, .2)", "; mdf: ggx: alpha ax needs a number."), ("roughness (0.3", "; mdf: roughness needs a number."),
     ("specular rgb", "; mdf: specular needs a colour."), ("specular color", "mdf: specular needs a colour, } found instead."), ("tangent <1, 0", "; mdf: tangent needs uv, radial or a vector, as x."),
@@ -331,6 +347,18 @@ def test_warnings(render, shade_check, tmp_path, block, objects, message):
         shade_check(dump)
 
 
+def test_subsurface_needs_diffuse_light(render):
+    """A colour without green or blue has enough of it, also where no block is: POV-Ray ended there."""
+    head = HEADER.replace("assumed_gamma 1", "assumed_gamma 1 mm_per_unit 20 subsurface { samples 4, 1 }")
+    ball = "sphere {{ 0, 1 texture {{ pigment {{ rgb <.8, 0, 0> }} finish {{ ambient 0 diffuse {} subsurface {{ translucency .3 }} {} }} }} interior {{ ior 1.4 }} }}"
+    mdf = "mdf { specular 0 }"
+    refused = render(head + SUN + "\n" + ball.format(0, mdf), (8, 6), dump=False, fails=True)
+    assert refused.status == 1 and "has 'subsurface' and 'diffuse 0': what is scattered below the surface is the finish's diffuse light." in refused.message, refused.message
+    for finish in (ball.format(.6, mdf), ball.format(.6, "")):
+        image = render(head + SUN + finish, (8, 6), dump=False).image
+        assert image[..., 0].max() > .01 and np.abs(image[..., 1:]).max() < 1e-3
+
+
 def test_a_message_comes_once(render):
     text = scene("#declare I = 0; #while (I < 4) sphere { I * x, .4 texture { pigment { rgb 1 } finish { mdf { specular 2 } } } } #declare I = I + 1; #end")
     assert render(text).message.count("it is taken as") == 1
@@ -341,7 +369,7 @@ GAMMAS = [("3.7", "assumed_gamma 1", False), ("3.7", "", False), ("3.7", "assume
 
 
 @pytest.mark.parametrize("version, settings, darker, block", [
-    *((*gamma, block) for gamma in GAMMAS for block in ('preset "brushed_brass"', 'fabric { preset "denim" }')),
+    *((*gamma, 'preset "brushed_brass"') for gamma in GAMMAS), *((*gamma, 'fabric { preset "denim" }') for gamma in (GAMMAS[0], GAMMAS[6])),
     (*GAMMAS[2], "specular rgb .5"), (*GAMMAS[6], "specular rgb .5")])
 def test_presets_tell_of_a_gamma_that_darkens_them(render, version, settings, darker, block):
     head = HEADER.replace("#version 3.7;", f"#version {version};").replace("global_settings { assumed_gamma 1 }", f"global_settings {{ {settings} }}")

@@ -57,6 +57,11 @@ def mean(result):
     return result.image.mean((0, 1))
 
 
+def reflected(result):
+    """Rays."""
+    return int(re.search(r"Reflected Rays:\s+(\d+)", result.log).group(1))
+
+
 COLOUR = np.array([1, 0.8, 0.6])
 
 
@@ -107,8 +112,31 @@ def test_rays_multiply_no_further_than_asked(render):
     """Two plates that see each other: N rays at the first, one for each at the second, each one level deep."""
     facing = "box { <-9, 4, -9>, <9, 5, 9> no_image pigment { rgb 0 } finish { ambient 0 diffuse 0 mdf { ashikhmin_shirley 60, 9 specular 1 reflection { samples 16 } } } }\n"
     result = render(scene("reflection { samples 16 }", facing + "background { rgb 1 }"), (16, 12), ["+WT1", "+V"], dump=False)
-    reflected = int(result.message.split("Reflected Rays:")[1].split()[0])
-    assert reflected <= 16 * 12 * 16 * 4  # max_trace_level 5: the camera's ray and four
+    assert reflected(result) <= 16 * 12 * 16 * 4  # max_trace_level 5: the camera's ray and four
+
+
+def test_textures_that_are_averaged_share_the_rays(render):
+    """As many as one finish sends, and the mean by weights, of textures with less than a ray's part and maps in maps."""
+    colours = [(1, .2, 0), (0, .9, .1), (.3, 0, 1), (.8, .4, 0), (.1, 0, .7)]
+    A, B, C, D, E = (f"pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 mdf {{ ashikhmin_shirley {EX}, {EY} specular rgb <{r}, {g}, {b}> horizon hard tangent x "
+                     "reflection { samples 4 } } }" for r, g, b in colours)
+    weights = np.array([1, 3 * .75, 3 * .25, 2 * .25, 2 * .75]) / 6
+    texture = (f"texture {{ average texture_map {{ [1 {A}] [3 gradient y texture_map {{ [0 {B}] [1 {C}] }} translate -.25*y]"
+               f" [2 average texture_map {{ [1 {D}] [3 {E}] }}] }} }}")
+    plate = scene("", "background { rgb 1 }")
+    mapped = plate[:plate.index("pigment")] + texture + " }\nbackground { rgb 1 }\n"
+    result = render(mapped, (48, 36), dump=False)
+    assert mean(result) == CLOSE(over_sphere(lambda wi: 1.0) * (weights @ colours), rel=0.02)
+    assert 3 * 48 * 36 < reflected(result) <= 4 * 48 * 36 * 1.02  # some go below the plate
+    # and where parts of a blob have a texture each
+    metal = "texture {{ pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 mdf {{ ggx .2, .2 specular rgb {} reflection {{ samples 4 }} }} }} }}"
+    parts = f"sphere {{ 0, 1, 1 {metal.format('<1, 0, 0>')} }} sphere {{ 0, 1, 3 {metal.format('<0, 1, 0>')} }}"
+    result = render("#version 3.7; global_settings { assumed_gamma 1 } camera { location -5*z look_at 0 angle 20 } background { rgb 1 }\n"
+                    f"blob {{ threshold 1 {parts} }}", (32, 24), dump=False)
+    red, green = result.image[result.image[..., 2] == 0].sum(0)[:2]
+    assert green > 100 and red / green == CLOSE(1 / 3, rel=.05)
+    hits = np.sum(result.image[..., 2] == 0)
+    assert 3 * hits < reflected(result) <= 4 * hits * 1.05
 
 
 def test_clamp_holds_what_a_ray_brings(render):
@@ -148,13 +176,12 @@ def test_what_is_refused(render, words, message):
     assert result.status == 1 and message in result.message
 
 
-@pytest.mark.parametrize("words, message", [
-    ("reflection { samples 0 }", "reflection samples is 0; it is taken as 1."),
-    ("reflection { samples 2.5 }", "reflection samples is 2.5; it is taken as 2."),
-    ("reflection { clamp -1 }", "reflection clamp is -1; it is taken as 0."),
-])
-def test_what_is_taken_as_the_nearest(render, words, message):
-    assert message in render(scene(words, ""), (8, 6), dump=False).message
+def test_what_is_taken_as_the_nearest(render):
+    said = {"reflection { samples 0 }": "reflection samples is 0; it is taken as 1.", "reflection { samples 2.5 }": "reflection samples is 2.5; it is taken as 2.",
+            "reflection { clamp -1 }": "reflection clamp is -1; it is taken as 0."}
+    log = render("".join(scene(words, "") for words in said), (8, 6), dump=False).message
+    for words, message in said.items():
+        assert log.count(message) == 1, words
 
 
 def test_off_again(render):
@@ -173,7 +200,7 @@ def test_focal_blur_shares_the_rays_out(render):
         text = scene(f"reflection {{ samples {samples} }}", emitter(normalise(np.array([-.3, .8, .5]))))
         text = text.replace("orthographic", "").replace("angle 2", f"angle 2 {blur}")
         result = render(text, (12, 12), dump=False)
-        return result.image.mean((0, 1)), int(re.search(r"Reflected Rays:\s+(\d+)", result.log).group(1))
+        return mean(result), reflected(result)
     sharp, rays = look(128, "")
     blurred, shared = look(128, "aperture .01 focal_point 0 blur_samples 16, 16")
     assert blurred == pytest.approx(sharp, rel=.02)
