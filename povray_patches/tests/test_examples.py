@@ -8,7 +8,7 @@ import pytest
 
 from conftest import ROOT
 
-COST = 26
+COST = 23
 
 SCENES = sorted(p for p in (ROOT / "examples/povray").glob("*/*.pov") if p.stem != "suzanne")  # the demo's: compare/
 
