@@ -139,12 +139,12 @@ def apart(a, b):
 
 def material_difference(a, b):
     """Of every pixel that both dumps cover: how far apart the parameters of its two materials are.
-    Renderers number and name materials in their own way, so neither counts."""
-    known = []
-    for dump in (a, b):
-        listed = dump.header.get("materials", [])
-        known.append({m["id"]: {k: v for k, v in m.items() if k not in ("id", "name")}
-                      for m in listed})
+    Renderers number and name materials in their own way, so neither counts; nor does f0 where nothing reads it."""
+    def said(m):
+        read = m.get("fresnel") != "conductor" or m.get("diffuse") == "ashikhmin_shirley"
+        return {k: v for k, v in m.items() if k not in ("id", "name") and (read or k != "f0")}
+
+    known = [{m["id"]: said(m) for m in dump.header.get("materials", [])} for dump in (a, b)]
     both = a.covered & b.covered
     pairs, which = np.unique(np.stack([a.material[both], b.material[both]], 1), axis=0,
                              return_inverse=True)

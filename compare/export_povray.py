@@ -242,14 +242,16 @@ def texture_text(material, folder, middle):
     colour = node.inputs["Color"].default_value[:3]
     bump = bump_image(node.inputs["Normal"], material, folder) if node.bump_response == "FOLLOW" else ""
     tangent, turn = tangent_text(node, middle, what)
+    said = settings_of(node, what)
+    # after a conductor the word would colour it
+    specular = "" if said["fresnel"] == "conductor" else f"specular rgb {vector(colour)}\n      "
     return f"""texture {{
   pigment {{ rgb 1 }}
   finish {{
     ambient 0 diffuse 0
     mdf {{
-      {choices_text(settings_of(node, what))}
-      specular rgb {vector(colour)}
-      {tangent}{bump}
+      {choices_text(said)}
+      {specular}{tangent}{bump}
     }}
   }}{turn and chr(10) + "  " + turn}
 }}"""
