@@ -99,7 +99,8 @@ ORDERS = {}
 
 
 def povray_scenes():
-    return [Scene(f"povray-{path.stem}", path, (), 0) for path in sorted(EXAMPLES.glob("povray/*/*.pov"))]
+    return [Scene(f"povray-{path.stem}", path, (), 0) for path in sorted(EXAMPLES.glob("povray/*/*.pov"))
+            if path.parent.name != "cookbook"]
 
 
 # ---- what is compared

@@ -61,7 +61,9 @@ class Look:
 
 BLENDER = {path.parent.name: path
            for path in sorted((programs.ROOT / "examples" / "blender").glob("*/make_scene.py"))}
-POVRAY = sorted(path for path in (programs.ROOT / "examples" / "povray").glob("*/*.pov") if path.stem != "suzanne")
+# not the cookbook's: they are parts of these
+POVRAY = sorted(path for path in (programs.ROOT / "examples" / "povray").glob("*/*.pov")
+                if path.stem == path.parent.name != "suzanne")
 # Of a picture's size. Where cloth is far, the reference takes the mean of many points for each pixel and light.
 PERCENT, CLOTH_PERCENT = 30, 7
 CLOTHS = ("bolts", "cloth", "drape", "jacket")
