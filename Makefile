@@ -67,7 +67,7 @@ pictures: compare
 # warnings are errors: a page that nothing leads to, a link that leads nowhere
 .PHONY: manual
 manual: $(MANUAL)/index.html
-$(MANUAL)/index.html: $(VENV_MANUAL)/done $(shell find docs -type f) $(L)/include/shade/shade.h
+$(MANUAL)/index.html: $(VENV_MANUAL)/done $(shell find docs -type f) $(wildcard $(L)/include/shade/*.h examples/*.jpg examples/nodes/*.png)
 	$(call say,manual   ,$@)
 	$(Q)rm -rf $(B)/manual
 	$(Q)$(VENV_MANUAL)/bin/sphinx-build -q -W --keep-going -b html -d $(B)/manual/doctrees docs $(@D)

@@ -141,7 +141,7 @@ def material_difference(a, b):
     """Of every pixel that both dumps cover: how far apart the parameters of its two materials are.
     Renderers number and name materials in their own way, so neither counts; nor does f0 where nothing reads it."""
     def said(m):
-        read = m.get("fresnel") != "conductor" or m.get("diffuse") == "ashikhmin_shirley"
+        read = m.get("fresnel") != "conductor" or m.get("diffuse") == "ashikhmin_shirley" and any(m.get("kd", ()))
         return {k: v for k, v in m.items() if k not in ("id", "name") and (read or k != "f0")}
 
     known = [{m["id"]: said(m) for m in dump.header.get("materials", [])} for dump in (a, b)]

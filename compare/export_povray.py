@@ -243,8 +243,11 @@ def texture_text(material, folder, middle):
     bump = bump_image(node.inputs["Normal"], material, folder) if node.bump_response == "FOLLOW" else ""
     tangent, turn = tangent_text(node, middle, what)
     said = settings_of(node, what)
-    # after a conductor the word would colour it
-    specular = "" if said["fresnel"] == "conductor" else f"specular rgb {vector(colour)}\n      "
+    specular = f"specular rgb {vector(colour)}\n      "
+    if said["fresnel"] == "conductor":  # after it the word would colour it
+        if said["diffuse"] == "ashikhmin_shirley" and any(said["kd"]):
+            raise ExportError(f"{what}: a conductor with the diffuse part of Ashikhmin and Shirley cannot be written")
+        specular = ""
     return f"""texture {{
   pigment {{ rgb 1 }}
   finish {{

@@ -54,20 +54,6 @@ static unsigned vary_shape(bsdf *b, const varied_arrays *in, size_t lane, real *
   return status;
 }
 
-/* What draws are shared out by. */
-static void vary_shares(bsdf *b) {
-  SUFFIX(bsdf_numbers) *own = &b->SUFFIX(numbers);
-  const int conductor = !shade_fresnel_is(b->fresnel).f0;
-  const int less = shade_diffuse_is(b->diffuse).less_f0;
-  own->share_lobe = own->share_diffuse = 0;
-  for (int c = 0; c < 3; c++) {
-    own->share_lobe += lobe_mean(conductor, own->f0[c], own->tint[c], own->k[c]);
-    own->share_diffuse += diffuse_mean(less, own->f0[c], own->kd[c]);
-  }
-  if (!b->has_specular)
-    own->share_lobe = 0;
-}
-
 static unsigned entry_vary(const shade_bsdf *given, const bsdf_lanes *lanes, size_t lane,
                            shade_bsdf *out) {
   bsdf_lanes in;
@@ -84,7 +70,7 @@ static unsigned entry_vary(const shade_bsdf *given, const bsdf_lanes *lanes, siz
   int mirrored = 0;
   status |= vary_colours(b, &each, lane);
   status |= vary_shape(b, &each, lane, mirror, &mirrored);
-  vary_shares(b);
+  set_shares(b, own);
   b->black = !b->has_specular || (b->black && !each.f0[0] && !each.f0[1] && !each.f0[2]);
   own->c = own->side = 1;
   own->s = 0;

@@ -3,6 +3,7 @@
 #ifndef SHADE_MODEL_SHARE_H
 #define SHADE_MODEL_SHARE_H
 
+#include "bsdf.h"
 #include "fresnel.h"
 
 /* A channel's part of the mean reflectances that draws are shared out by: of the lobe at normal
@@ -13,6 +14,19 @@ LEAF real lobe_mean(int conductor, real f0, real eta, real k) {
 }
 LEAF real diffuse_mean(int less_f0, real f0, real kd) {
   return kd * (1 - (less_f0 ? f0 : 0)) / 3;
+}
+
+/* Those means of a material's numbers. */
+LEAF void set_shares(const bsdf *b, SUFFIX(bsdf_numbers) * own) {
+  const int conductor = !shade_fresnel_is(b->fresnel).f0;
+  const int less_f0 = shade_diffuse_is(b->diffuse).less_f0;
+  own->share_lobe = own->share_diffuse = 0;
+  for (int c = 0; c < 3; c++) {
+    own->share_lobe += lobe_mean(conductor, own->f0[c], own->tint[c], own->k[c]);
+    own->share_diffuse += diffuse_mean(less_f0, own->f0[c], own->kd[c]);
+  }
+  if (!b->has_specular)
+    own->share_lobe = 0;
 }
 
 /*

@@ -37,12 +37,7 @@ static void setup_draws(bsdf *b) {
   b->numbers.proposal = mdf.proposal;
   b->numbers.per_slope = mdf.per_slope;
   b->draw_even = diffuse.fibres;
-  const int conductor = !shade_fresnel_is(b->fresnel).f0;
-  bsdf_numbers *own = &b->numbers;
-  for (int c = 0; c < 3; c++) {
-    own->share_lobe += lobe_mean(conductor, own->f0[c], own->tint[c], own->k[c]);
-    own->share_diffuse += diffuse_mean(diffuse.less_f0, own->f0[c], own->kd[c]);
-  }
+  set_shares(b, &b->numbers);
 }
 
 shade_brdf shade_params_brdf(const shade_params *given) {

@@ -316,7 +316,7 @@ void Parser::Parse_Mdf_Row(mdf::Material &material, int row, const std::string &
   shade_param_row(row, &info);
   if (info.components == 3) {
     bool *const pigment = material.pigment_for(row);
-    if (pigment == &material.specular_pigment)
+    if (pigment == &material.specular_pigment && Mdf_Defaults() >= 1) // older scenes keep the metal
       material.colour_metal();
     if (pigment != NULL && (*pigment = Parse_Mdf_Pigment()))
       return;
@@ -712,8 +712,8 @@ void Parser::Parse_Mdf(FINISH *finish) {
 
   if (coloured && !material.cloth && material.params.fresnel == SHADE_FRESNEL_CONDUCTOR)
     Warn_Mdf("'specular' (" + material.name +
-             ") has no part in what comes after it, a conductor of its own colour; 'specular' "
-             "after that gives it another.");
+             ") has no part in a conductor, which has a colour of its own; 'specular' after that, "
+             "in a scene with #declare mdf_Defaults = 1;, gives it another.");
 
   char wrong[160];
   if (sceneData->mdfScene->empty() && shade_isa_check(wrong, sizeof wrong) != 0) // once

@@ -70,17 +70,19 @@ def test_defaults_by_version(render, shade_check):
 
 @pytest.mark.parametrize("metal", ['preset "brushed_gold" scratches off', "ggx .1, .4 fresnel conductor <.2, .9, 1.1>, <3.9, 2.4, 2.3>"])
 def test_specular_colours_a_metal_before_it(render, metal):
-    """Not one that comes after it, which is said."""
+    """Not one that comes after it, nor in a scene of before there were versions of defaults, which is said."""
     def block(words):
         return f"texture {{ pigment {{ rgb <.7, .5, .3> }} finish {{ ambient 0 diffuse 0 mdf {{ {words} }} }} }}"
-    result = render(scene(f"""sphere {{ -2*x, .9 {block(f"{metal} specular rgb <.1, .2, .3>")} }} sphere {{ 0, .9 {block(f"{metal} specular pigment")} }}
+    result = render(scene(f"""sphere {{ -4*x, .9 {block(f"{metal} specular rgb <.1, .2, .3>")} }}
+#declare mdf_Defaults = 1;
+sphere {{ -2*x, .9 {block(f"{metal} specular rgb <.1, .2, .3>")} }} sphere {{ 0, .9 {block(f"{metal} specular pigment")} }}
 sphere {{ 2*x, .9 {block(f"specular rgb .5 {metal}")} }}""", SUN), (48, 12))
-    own, pigment, last = result.dump.header["materials"]
-    assert (own["fresnel"], pigment["fresnel"], last["fresnel"]) == ("schlick", "schlick", "conductor")
+    before, own, pigment, last = result.dump.header["materials"]
+    assert [m["fresnel"] for m in (before, own, pigment, last)] == ["conductor", "schlick", "schlick", "conductor"]
     assert own["f0"] == pytest.approx([.1, .2, .3], abs=1e-6)
     seen = result.dump.color[result.dump.id == pigment["id"]]
     assert len(seen) > 9 and seen == pytest.approx(np.tile([.7, .5, .3], (len(seen), 1)), abs=1e-6)
-    assert result.message.count("has no part in what comes after it, a conductor of its own colour") == 1
+    assert result.message.count("has no part in a conductor, which has a colour of its own") == 2
 
 
 def test_every_word(material):

@@ -134,9 +134,8 @@ typedef struct shade_slope_options {
   size_t size; /* sizeof(shade_slope_options), set by shade_slope_options_init */
   shade_normals normals;
   shade_wrap wrap;
-  int directx; /* 1: green (y) points down, as in DirectX; 0: up, as in OpenGL */
-  double
-      strength; /* [0, 100], as docs/theory/conventions.md has it; beyond 1 only the slope grows */
+  int directx;     /* 1: green (y) points down, as in DirectX; 0: up, as in OpenGL */
+  double strength; /* [0, 100] (docs/theory/conventions.md); beyond 1 only the slope grows */
 } shade_slope_options;
 
 /* Colours, repeat, green up, strength 1. */
