@@ -174,12 +174,12 @@ def test_thumbnails(tmp_path):
 
 
 def test_every_example_is_there():
-    """What is added to examples/ is rendered, too; `nodes` are pictures of the editor."""
+    """What is added to examples/ is rendered, too; `nodes` are pictures of the editor, the cookbook parts of the others."""
     keys = {task.key for task in study.tasks(False)}
     for name in ("table", "cloth", "groove"):
         assert f"blender-{name}" in keys
     for path in (programs.ROOT / "examples" / "povray").glob("*/*.pov"):
-        assert path.stem == "suzanne" or f"povray-{path.stem}" in keys
+        assert path.stem == "suzanne" or path.parent.name == "cookbook" or f"povray-{path.stem}" in keys
     for path in (programs.ROOT / "examples" / "blender").iterdir():
         assert not path.is_dir() or path.name in ("suzanne", "nodes", "__pycache__") or f"blender-{path.name}" in keys
     assert [task.key for task in study.tasks(True)] == ["suzanne-quick"]
