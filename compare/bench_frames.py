@@ -183,7 +183,7 @@ def export_some(side, scenes, number):
     whole.write_text(side.scenes / f"order-{number}.json", json.dumps(order))
     report.step(f"Exporting {len(scenes)} scenes with the add-on of {side.root}",
                 programs.blender(programs.HERE / "bench_frames_export.py", side.scenes / f"order-{number}.json"),
-                side.scenes / f"export-{number}.log", {"BLENDER_USER_SCRIPTS": str(side.root / "build/blender")})
+                side.scenes / f"export-{number}.log", add_on_of(side))
     for scene in scenes:
         whole.write_text(side.file(scene).with_suffix(".of"), made_from(side, scene))
 
@@ -204,8 +204,12 @@ def made_from(side, scene):
     return sums.hexdigest()
 
 
-def prepare(scenes):
-    """What scripts and POV-Ray's scenes read."""
+def add_on_of(side):
+    return {"BLENDER_USER_SCRIPTS": str(side.root / "build/blender")}
+
+
+def prepare(scenes, older):
+    """What scripts and POV-Ray's scenes read. A file of Blender's is the older add-on's: it does not know what newer ones keep in theirs."""
     FRAMES.mkdir(parents=True, exist_ok=True)
     for name, order in ORDERS.items():
         whole.write_text(FRAMES / f"{name}.json", json.dumps(order))
@@ -216,8 +220,8 @@ def prepare(scenes):
     if "povray-embossed" in names:
         subprocess.run([programs.SHADE, *"weave --name basket --cells 16 --curve .35 --ridge 0 --map normal --bits 16 -o".split(),
                         FRAMES / "basket.png"], check=True, stdout=subprocess.DEVNULL)
-    if names & {"suzanne", "povray-suzanne"} and not SUZANNE.exists():
-        report.step("Building suzanne.blend", programs.blender(EXAMPLES / "blender/suzanne/make_scene.py", SUZANNE), FRAMES / "suzanne.log", programs.ADD_ON)
+    if names & {"suzanne", "povray-suzanne"}:
+        report.step("Building suzanne.blend", programs.blender(EXAMPLES / "blender/suzanne/make_scene.py", SUZANNE), FRAMES / "suzanne.log", add_on_of(older))
     if "povray-suzanne" in names and not (FRAMES / "povray/meshes.inc").exists():
         report.step("Writing it for POV-Ray", programs.blender(programs.HERE / "export_povray.py", FRAMES / "povray", scene=SUZANNE),
                     FRAMES / "suzanne.log", programs.ADD_ON)
@@ -375,7 +379,7 @@ def main(argv=None):
         print(*(scene.name for scene in scenes), sep="\n")
         return 0
     sides = before(options.before), Side(programs.ROOT, FRAMES)
-    prepare(scenes)
+    prepare(scenes, sides[0])
     ours = [scene for scene in scenes if scene.samples]
     export(sides, ours)
     rows, status = {scene.name: Row(scene.name) for scene in scenes}, 0
