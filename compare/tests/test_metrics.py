@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures, figures and tables."""
+import os
+import time
+
 import numpy as np
 import pytest
 
+import bench_frames
 import consistency
+import paths
 import pictures
 import report
 import truth
@@ -179,3 +184,43 @@ def test_progress_shows_a_program_s_percentage(tmp_path, capsys, monkeypatch):
     report.step("Drawing", ["sh", "-c", "echo Rendered 3 of 12 pixels '(25%)'"], tmp_path / "log")
     shown = capsys.readouterr().err
     assert "\rDrawing … 25 %" in shown and shown.endswith("s   \n")
+
+
+def test_an_interrupted_step_leaves_no_program(tmp_path, monkeypatch):
+    """Ctrl-C in whatever state the program is, also one that would not end by it."""
+    def stop(*_):
+        raise KeyboardInterrupt
+    monkeypatch.setattr(report.Progress, "read", stop)
+    begun = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        report.step("Waiting", ["sh", "-c", "trap '' INT; echo $$; exec sleep 30"], tmp_path / "log")
+    assert time.monotonic() - begun < 20
+    with pytest.raises(ProcessLookupError):
+        os.kill(int((tmp_path / "log").read_text()), 0)
+
+
+def test_a_dump_is_that_of_the_step_that_wants_one(tmp_path, monkeypatch):
+    for name in ("LIBSHADE_DUMP", "LIBSHADE_TIMINGS", "POVINI", "OTHER"):
+        monkeypatch.setenv(name, "of the user")
+    say = ["sh", "-c", "echo $LIBSHADE_DUMP, $OTHER"]
+    assert report.step("Saying", say, tmp_path / "log") == ", of the user\n"
+    assert report.step("Saying", say, tmp_path / "log", {"LIBSHADE_DUMP": "of the step"}) == "of the step, of the user\n"
+    inherited = bench_frames.environment()
+    assert inherited["OTHER"] == "of the user" and not {"LIBSHADE_DUMP", "LIBSHADE_TIMINGS", "POVINI"} & set(inherited)
+
+
+@pytest.mark.parametrize("module, given, good, bad", [
+    (consistency, ["x.blend"], {"percent": (1, 100), "samples": (1, 4096), "grid": (1, 9)},
+     {"percent": (0, 101), "samples": (0,), "grid": (0, 10)}),
+    (paths, [], {"size": (4, 64)}, {"size": (3,), "samples": (0, 10**9)}),
+    (bench_frames, ["HEAD"], {"limit": (1e-3, 1.03)}, {"limit": (0, -1)}),
+])
+def test_ranges_of_options(module, given, good, bad, capsys):
+    for name, values in good.items():
+        for value in values:
+            assert getattr(module.arguments([*given, f"--{name}", str(value)]), name) == value
+    for name, values in bad.items():
+        for value in values:
+            with pytest.raises(SystemExit) as left:
+                module.arguments([*given, f"--{name}={value}"])
+            assert left.value.code == 2 and f"--{name}" in capsys.readouterr().err

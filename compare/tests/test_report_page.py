@@ -8,9 +8,11 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import page
+import programs
 import pytest
 import report_page
 import sheet
@@ -211,6 +213,58 @@ def test_what_only_draws_makes_no_rows_old():
     for name, measures, draws in (("atlas", "atlas_measures", "atlas_charts"), ("speed", "fronts", "detail_speed_page")):
         names = {path.stem for path in report_page.sources(COMPARE / f"study_{name}.py")}
         assert f"study_{name}" in names and measures in names and not names & {draws, "style", "page"}
+
+
+def three(tmp_path, monkeypatch):
+    """Options and a head for a study of three tasks, and the files that it depends on."""
+    code, need, *built = files = [tmp_path / name for name in ("study_three.py", "program", "libshade.so.1", "shade")]
+    for file in files:
+        file.write_text("a = 1\n", encoding="utf-8")
+    monkeypatch.setattr(programs, "BUILD", tmp_path)
+    monkeypatch.setattr(programs, "SHADE", str(built[-1]))
+    module = SimpleNamespace(NAME="three", __file__=str(code), tasks=lambda quick: [
+        study.Task(f"task-{k}", 100 * k, lambda folder, say: [{"n": 1}], needs=[need]) for k in (1, 2, 3)])
+    options = SimpleNamespace(studies={"three": module}, output=tmp_path / "out", quick=False, again=False)
+    return options, {"machine": "one, 2 cores", "command": "make compare"}, files
+
+
+def test_what_makes_rows_old(tmp_path, monkeypatch):
+    options, head, files = three(tmp_path, monkeypatch)
+    report_page.work(report_page.plan(options, head), head)
+
+    def done(at=head, **changes):
+        return [piece[-1] for piece in report_page.plan(SimpleNamespace(**{**vars(options), **changes}), at)]
+    assert done() == [True] * 3
+    for old in (done({**head, "machine": "another, 2 cores"}), done(quick=True), done(again=True)):
+        assert old == [False] * 3
+    assert done({**head, "commit": "another", "date": "later"}) == [True] * 3
+    for file in files:
+        was = file.read_bytes()
+        file.write_bytes(was + b"#")
+        assert done() == [False] * 3
+        file.write_bytes(was)
+    assert done() == [True] * 3
+
+
+def test_the_time_left_falls(tmp_path, monkeypatch, capsys):
+    options, head, _files = three(tmp_path, monkeypatch)
+    pieces = report_page.plan(options, head)
+    report_page.say_plan(pieces)
+    report_page.work(pieces, head)
+    said = capsys.readouterr()
+    assert said.out == "3 pieces; about 10 min on two idle cores\n"
+    assert re.findall(r"\[(.*?) left\] three: (\S+)", said.err) == [
+        ("1/3, 10 min", "task-1"), ("2/3, 8 min", "task-2"), ("3/3, 5 min", "task-3")]
+    pieces = report_page.plan(options, head)
+    report_page.say_plan([(*pieces[0][:-1], False), *pieces[1:]])
+    report_page.say_plan(pieces)
+    assert capsys.readouterr().out == ("3 pieces, 2 of them done before; about 2 min on two idle cores\n"
+                                       "3 pieces, all of them done before\n")
+
+
+@pytest.mark.parametrize("seconds, words", [(0, "1 s"), (89, "89 s"), (90, "2 min"), (5399, "90 min"), (5400, "1.5 h")])
+def test_durations(seconds, words):
+    assert report_page.duration(seconds) == words
 
 
 def test_a_second_run_does_nothing_again(quick):
