@@ -97,7 +97,7 @@ $(RENDER): $(RENDER_OBJ)
 	$(call say,link     ,$@)
 	$(Q)$(CC) $(NATIVE_WRAP) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -lz -pthread -ldl -lm -o $@
 # the stages without Python; needs cmocka
-NATIVE_STAGES := $(filter $(NATIVE)/obj/isa/% $(NATIVE)/obj/scene/atmosphere% %/render/sampling.o %/scene/sky.o %/scene/emitters.o %/scene/texture.o %/system/pages.o %/system/parallel.o,$(NATIVE_OBJ)) $(B)/libshade.a
+NATIVE_STAGES := $(filter $(NATIVE)/obj/isa/% $(NATIVE)/obj/scene/atmosphere% %/render/sampling.o %/scene/sky.o %/scene/emitters.o %/scene/texture.o %/system/message.o %/system/pages.o %/system/parallel.o,$(NATIVE_OBJ)) $(B)/libshade.a
 $(NATIVE)/test_stages: blender_addon_c/tests/test_stages.c $(NATIVE_STAGES)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(NATIVE_CFLAGS) $(CFLAGS) -MMD -MF $(NATIVE)/obj/isa/test_stages.d $< $(NATIVE_STAGES) -lcmocka -lm -o $@

@@ -134,7 +134,7 @@ def kept_as_built():
     for objects, of, names, run in ((build / "obj" / "src", build, ("PLAIN_B", "PLAIN_ISAS"), {"scalar"}),
                                     (build / "blender" / "native" / "obj" / "isa", build / "blender" / "native",
                                      ("PLAIN_NATIVE", "PLAIN_STAGES"), set())):
-        sets = {re.sub("^isa_|_float$|_double$", "", path.stem) for path in objects.glob("*.o")} & {"scalar", "sse2", "avx2", "avx512"}
+        sets = {re.sub("^isa_|_float$|_double$", "", path.stem) for path in objects.glob("*")} & {"scalar", "sse2", "avx2", "avx512"}
         left = sorted(sets - run - {widest[1]})
         if left:
             given += [f"{names[0]}={of}", f"{names[1]}={' '.join(left)}"]

@@ -252,6 +252,25 @@ def test_planes_tell_the_first_surface():
     assert (depth[outside] == 1e10).all() and (normal[outside] == 0).all()
 
 
+def test_pictures_so_far_are_means_of_the_same_samples():
+    """Asked for while more threads than cores add to it: what a pixel has and how many samples are of one pass."""
+    tiles, times = 32, 200
+    given = {"width": tiles, "height": tiles, "samples": 65536, "threads": 16, "mattes": [{"type": "OBJECT"}], "matte_slots": 16,
+             "planes": [{"type": "ALBEDO"}], "instances": [{"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "matte": (5.0, 0.0)}]}
+    done = render(scene(width=tiles, height=tiles, samples=16))[0][0, 0]
+    job = native.start(scene(**given))
+    while native.poll(job)["progress"] == 0:
+        assert not native.wait(job, 0.001)
+    for _ in range(times):
+        out = so_far(job, tiles)
+        there = out[..., 3] > 0
+        np.testing.assert_allclose(out[there], np.broadcast_to(done, (there.sum(), 4)), rtol=1e-3)
+        native.image(job, out, "OBJECT_MATTE00")
+        np.testing.assert_allclose(out[..., 1][out[..., 0] == 5.0], 1, rtol=1e-3)
+    assert native.poll(job)["state"] == "running"
+    native.free(job)
+
+
 def test_time_limit_ends_a_picture_that_is_whole():
     job = native.start({**slow(), "width": 256, "height": 256, "region": (0, 0, 256, 256),
                         "time_limit": 0.2})
@@ -259,6 +278,19 @@ def test_time_limit_ends_a_picture_that_is_whole():
     state = native.poll(job)
     assert state["state"] == "done" and 0 < state["progress"] < 1
     assert (so_far(job, 256)[..., 3] > 0).any()
+    assert 0.2 <= native.timings(job)["wall"] < 2
+    native.free(job)
+
+
+@pytest.mark.parametrize("limit, samples", [(1e-9, 4), (0, 64), (1e6, 64)])
+def test_time_that_is_over_leaves_one_pass(limit, samples):
+    """Of 4 samples, of the whole picture; no limit is none."""
+    job = native.start(scene(samples=64, time_limit=limit, width=100, height=100, planes=[{"type": "SAMPLES"}]))
+    state = finish(job)
+    assert (state["state"], state["progress"], state["sample"]) == ("done", samples / 64, samples)
+    had = np.zeros((100, 100, 1), np.float32)
+    native.image(job, had, "SAMPLES")
+    assert (had == np.float32(samples / 64)).all() and (so_far(job, 100)[..., 3] == 1).all()
     native.free(job)
 
 

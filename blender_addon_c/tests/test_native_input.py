@@ -16,6 +16,7 @@ from native_scenes import (
     material,
     mesh,
     native,
+    ortho,
     point,
     render,
     scene,
@@ -287,6 +288,30 @@ def test_normal_map_of_nan_and_below_the_surface():
     np.testing.assert_allclose(picture, flat, rtol=1e-6)
     pixels[:] = 0.0  # points down and sideways
     render(scene(images=[image(pixels)], materials=[material(normal_image=0, normal_strength=1e6)]))
+
+
+@pytest.mark.parametrize("number", [(0.0, 0.0), (1e38, 1e38), (-1e38, 1e38)])
+def test_what_has_no_normal_is_black_and_told(number):
+    """A normal that a graph makes of nothing, or of numbers too large; one that it makes well is not told of."""
+    def plate(a, b):
+        times = {"type": "MATH", "operation": "MULTIPLY", "a": [a], "b": [b], "c": [0.0], "out": [(150,)]}
+        return scene(materials=[{**material(), "nodes": [times], "normal": [(150,)] * 3}], camera=ortho(0.5))
+    words = "some samples had no valid direction or normal and are black"
+    picture, state = render(plate(*number))
+    assert state["warnings"] == [words] and (picture[..., :3] == 0).all() and (picture[..., 3] == 1).all()
+    picture, state = render(plate(1.0, 1.0))
+    assert state["warnings"] == [] and (picture[..., :3] > 0).all()
+
+
+@pytest.mark.parametrize("bad, same", [(float("nan"), 0.0), (-1.0, 0.0), (float("-inf"), 0.0), (float("inf"), 1e18)])
+def test_a_lamps_pattern_of_bad_numbers(bad, same):
+    """None there; the rest of it shines."""
+    def seen(value):
+        data = np.full((8, 8, 3), 0.5, np.float32)
+        data[3, 5] = (value, value, 0.5)  # below it
+        lamp = point((0, 0, 1), (1e-18,) * 3 if same else (1,) * 3)
+        return render(scene(lights=[lamp | {"pattern": {"width": 8, "height": 8, "axes": (0, 1, 0, 0, 0, 1, 1, 0, 0), "data": data.ravel()}}]))[0]
+    assert np.array_equal(seen(bad), seen(same)) and not np.array_equal(seen(same), seen(0.5))
 
 
 def test_extreme_materials_and_lights_stay_finite():

@@ -9,7 +9,7 @@ import ast
 import numpy as np
 import pytest
 
-from native_scenes import ROOT, area, dump, native, point, render, scene, spot, sun, unit, vectors
+from native_scenes import ROOT, area, dump, material, native, ortho, point, render, scene, spot, sun, unit, vectors
 
 COST = 1.1
 
@@ -122,6 +122,22 @@ def test_a_face_that_shines_in_parts(more):
     np.testing.assert_allclose(parts.mean((0, 1)), wanted.mean((0, 1)), rtol=0.01)
     near = [p.reshape(4, p.shape[0] // 4, 4, p.shape[1] // 4, 3).mean((1, 3)) for p in (parts, wanted)]
     np.testing.assert_allclose(*near, rtol=0.06, atol=2e-3)
+
+
+def test_a_face_ends_at_its_edges():
+    """Of a picture of few texels, close to its lamp: beyond the middles of the outer ones it goes on as these are."""
+    texels = np.zeros((1, 4, 3), np.float32)
+    texels[0, :, 0], texels[0, :, 1] = (4, 0, 0, 0), (0, 0, 0, 1)
+    finer = (np.arange(256) + 0.5) / 256 * 4 - 0.5  # the same picture, of 256 texels
+    fine = np.stack([np.interp(finer, np.arange(4), texels[0, :, c]) for c in range(3)], -1).astype(np.float32)[None]
+    seen = []
+    for data in (texels, fine):
+        lamp = area((0, 0, 0.1), (1.6, 1.6), (1, 1, 1)) | {"pattern": {
+            "width": data.shape[1], "height": 1, "axes": np.eye(3).ravel().tolist(), "data": data.ravel(), "face": True}}
+        seen.append(render(scene(lights=[lamp], samples=256, max_bounces=0, camera=ortho(0.8, eye=(0, 0, 0.09)),
+                                 materials=[material(f0=(0, 0, 0), kd=(0.8,) * 3)]))[0][..., :2].mean(0))
+    assert (seen[0][:2] > 4 * seen[0][-2:])[..., 0].all()
+    np.testing.assert_allclose(seen[0], seen[1], rtol=0.02, atol=0.004 * seen[0].max())
 
 
 @pytest.mark.parametrize("wrong", [{"face": True}, {"gain": 3}, {"smooth": -1.0}, {"smooth": float("nan")}])

@@ -7,9 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from native_scenes import finish, native, scene, sphere
+from native_scenes import finish, image, material, native, point, scene, sky, sphere
 
 COST = 1.3
 
@@ -42,6 +43,33 @@ def test_all_is_given_back():
     before = held()
     held(meshes=[sphere(60)])
     assert held() == pytest.approx(before, abs=64 << 10)  # what threads are begun at the time
+
+
+def test_a_hundred_jobs_hold_what_one_does():
+    """Of all that a job may make; also of one that is refused, stopped, or left by another."""
+    lit = point((0, 0, 2)) | {"pattern": {"width": 64, "height": 64, "axes": np.eye(3).ravel().tolist(), "data": np.ones(3 << 12, np.float32)}}
+    rich = {"mattes": [{"type": "OBJECT"}, {"type": "MATERIAL"}], "matte_slots": 16, "planes": [{"type": "NORMAL"}, {"type": "SAMPLES"}],
+            "adaptive_threshold": 0.1, "adaptive_min_samples": 1, "images": [image(np.ones((32, 32, 4), np.float32))], "lights": [lit],
+            "filter_width": 1.5, "time_limit": 10.0, "threads": 2,
+            "materials": [material(color_image=0, ex=1e12)]}  # which is told
+
+    def round_of(number):
+        held(**rich)
+        job = native.start(scene(samples=1024, width=64, height=64, **rich))
+        native.cancel(job)
+        finish(job)
+        native.free(job)
+        for bad in ({"lights": [lit | {"pattern": lit["pattern"] | {"data": np.ones(5, np.float32)}}]}, {"meshes": [None]}, {"samples": 0}):
+            with pytest.raises(ValueError):
+                native.start(scene(**{**rich, **bad}))
+        held(sky=sky(), images=rich["images"]) if number % 25 == 0 else None  # whose table takes longer than all else
+    round_of(0)
+    before = held()[0]
+    for number in range(100):
+        round_of(number)
+    after = held()[0]
+    print(f"{after - before} bytes more after 100 rounds")
+    assert after == pytest.approx(before, abs=1 << 10)
 
 
 @pytest.mark.skipif("ASAN_OPTIONS" in os.environ, reason="a sanitizer keeps what is freed")

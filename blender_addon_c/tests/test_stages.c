@@ -18,7 +18,9 @@
 #include "render/state.h"
 #include "render/sampling.h"
 #include "stage/stage.h"
+#include "system/message.h"
 #include "system/pages.h"
+#include "system/parallel.h"
 
 enum { COUNT = 1003, SET = 0x7b };
 
@@ -1832,6 +1834,44 @@ static void every_stage_is_there(void **state) {
     assert_true(stage[k]);
 }
 
+static void complain(void *log, size_t i) {
+  assert_false(message_error(log, "error %zu", i));
+  message_warn(log, "warning %zu", i);
+}
+
+/* Of errors the first, of warnings the first so many, from any thread; these once more in
+ * another's. */
+static void what_is_told_of_a_job(void **state) {
+  (void)state;
+  message_log log, next;
+  message_list kept = {0};
+  message_init(&log);
+  message_init(&next);
+  assert_true(!log.error[0] && message_warnings(&log) == 0);
+  complain(&log, 7);
+  parallel_for(16, 1000, complain, &log);
+  assert_string_equal(log.error, "error 7");
+  assert_int_equal(message_warnings(&log), MESSAGE_WARNINGS);
+  assert_int_equal(log.warnings, 1001);
+  assert_string_equal(log.warning[0], "warning 7");
+  for (size_t i = 0; i < MESSAGE_WARNINGS; i++)
+    assert_memory_equal(log.warning[i], "warning ", 8);
+  message_keep(&log, MESSAGE_WARNINGS - 2, &kept);
+  message_keep(&log, 0, &kept);
+  assert_int_equal(kept.count, MESSAGE_WARNINGS);
+  assert_string_equal(kept.text[2], "warning 7");
+  message_repeat(&next, &kept);
+  assert_int_equal(message_warnings(&next), MESSAGE_WARNINGS);
+  assert_string_equal(next.warning[1], log.warning[MESSAGE_WARNINGS - 1]);
+  assert_true(!next.error[0]);
+  message_forget(&kept);
+  assert_int_equal(kept.count, 0);
+  assert_false(message_error(&next, "%*d", 2 * MESSAGE_SIZE, 5)); /* cut */
+  assert_int_equal(strlen(next.error), MESSAGE_SIZE - 1);
+  message_free(&log);
+  message_free(&next);
+}
+
 int main(void) {
   const stage_table *const tables[] = {stages_of("scalar"), stages_of("sse2"), stages_of("avx2"),
                                        stages_of("avx512")};
@@ -1869,7 +1909,8 @@ int main(void) {
       break;
   }
   const struct CMUnitTest apart[] = {cmocka_unit_test(large_textures_leave_memory),
-                                     cmocka_unit_test(scratches_and_plate)};
+                                     cmocka_unit_test(scratches_and_plate),
+                                     cmocka_unit_test(what_is_told_of_a_job)};
   failed += cmocka_run_group_tests_name("apart", apart, NULL, NULL);
   return failed != 0;
 }
