@@ -288,6 +288,21 @@ def test_yarns_glow_in_the_pigments_colour(render, yarns, settings):
 
 
 @pytest.mark.parametrize("fresnel", ["none", "schlick", "f82 rgb <.9, .7, .8>"])
+def test_cloths_that_differ_in_a_pigment_alone_are_two(render):
+    """What glows of each is what it is by itself."""
+    dyed = ["", "warp { diffuse pigment }", "weft { diffuse pigment }"]
+
+    def image(words):
+        places = [sheet(-1 + 2 / 3 * k, -1, -1 / 3 + 2 / 3 * k, 1) for k in range(3)]
+        return render(scene("".join(place + cloth(f"crossings 300 {word}", "rgb <.9, .1, .5>", ambient=1) + " }\n" for place, word in zip(places, words)),
+                            "", FRONT), size=(6, 6), dump=False).image
+    together = image(dyed)
+    for k, word in enumerate(dyed):
+        alone = image([word] * 3)
+        assert alone.max() > .02 and np.allclose(together[:, 2 * k:2 * k + 2], alone[:, 2 * k:2 * k + 2], atol=2e-3), word
+    assert np.ptp(together[3, ::2], axis=0).max() > .02
+
+
 @pytest.mark.parametrize("rest", ["", "diffuse lambert pigment", "diffuse ashikhmin_shirley pigment", "diffuse fibre rgb .4", "reflection { samples 4 }"])
 def test_metal_takes_the_pigments_colour(render, shade_check, fresnel, rest):
     """A pattern is patches of blocks with its colours."""

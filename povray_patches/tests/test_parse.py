@@ -471,6 +471,28 @@ def test_notes_tell_a_block_once(render):
     assert "mdf block at" not in render(scene(declared.replace("notes on", "notes off")), (16, 12)).log
 
 
+def test_notes_tell_each_block_what_it_says(render):
+    """Of cloths, strokes and rays: as the scene has them, or what a number was cut to."""
+    blocks = ["fabric { weave \"plain\" crossings <30, 20> warp { diffuse rgb <.1, .2, .3> } weft { diffuse pigment } }",
+              "fabric { ends_per_cm 7 picks_per_cm 3 mm_per_unit 50 warp { diffuse pigment } weft { diffuse rgb .4 } }",
+              "ggx .1, .3 tangent <0, 1, 0> specular pigment", "ward .2, .2 tangent radial <0, 0, 1> at <1, 2, 3>",
+              *(f"ggx .2, .2 reflection {{ samples {n} }}" for n in (1, 4090, 4096, 4097, .5))]
+    text = "".join(f"sphere {{ {9 * k}*y, 1 texture {{ pigment {{ rgb .5 }} finish {{ ambient 0 diffuse 0 mdf {{ {block} notes on }} }} }} }}\n"
+                   for k, block in enumerate(blocks, 1))
+    log = render(scene(text), (8, 8), dump=False).log
+    told = [" ".join(part.split()) for part in re.split("mdf block at ", log)[1:]]
+    assert len(told) == len(blocks)
+    for part, words in zip(told, (
+            ("weave plain, 30 x 20 crossings on a unit", "warp: diffuse rgb <0.1, 0.2, 0.3>; weft: diffuse pigment"),
+            ("35 x 15 crossings on a unit", "warp: diffuse pigment; weft: diffuse rgb 0.4"),
+            ("lobe: ggx 0.1, 0.3", "specular pigment", "strokes: along <0, 1, 0> of the texture's space"),
+            ("lobe: ward 0.2, 0.2", "strokes: round <0, 0, 1> at <1, 2, 3> of the texture's space"),
+            *((f"reflection: {n} rays at a hit",) for n in (1, 4090, 4096, 4096, 1)))):
+        assert all(word in part for word in words), (words, part)
+    said = [words for words in log.split("Warning") if "reflection samples" in words]
+    assert len(said) == 2 and "4097" in said[0] and "0.5" in said[1], said
+
+
 def test_include_file_of_metals(render, shade_check):
     names = ["Steel_Brushed", "Aluminum_Brushed", "Gold_Brushed", "Copper_Brushed", "Brass_Brushed", "Steel_Blasted", "Aluminum_Blasted"]
     spheres = "".join(f"sphere {{ <{.4 * i - 1.2}, 0, 0>, .2 texture {{ LS_{name} }} }}\n" for i, name in enumerate(names))

@@ -46,6 +46,43 @@ def test_tile_of_images():
     assert scratches.tile_of_images({**said, "tile": 0.07}, 256) == 0.07
 
 
+def test_what_makes_images_of_scratches_old():
+    """Each number that the field has, its place, and how large it is in metres."""
+    scene = common.empty_scene(8, 8)
+    material = bpy.data.materials.new("scratched")
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    node = material.node_tree.nodes.new(module("scratches").SCRATCHES)
+    images, stamps = module("scratches.images"), []
+
+    def stamp(unit=1.0, tile=0.1):
+        stamps.append(images._stamp(node, unit, tile))
+        return stamps[-1]
+    assert stamp() == stamp()
+    del stamps[1]
+    stamp(tile=0.2)
+    for unit in ("UV", "METRES"):
+        node.unit = unit
+        for size in (0.5, 0.25) if unit == "UV" else ():
+            node.size = size
+            stamp()
+        for scale in (0.75, 3.0):
+            stamp(scale)
+    node.unit = "UV"
+    for name in module("scratches.tree").NUMBERS:
+        node.inputs[name].default_value = 0.5 * node.inputs[name].default_value + 0.125
+        stamp()
+    node.seed += 1
+    stamp()
+    assert len(set(stamps)) == len(stamps) == 15, stamps
+    node.baked = images._stamp(node, 1.0, 0.1)
+    assert not images.is_stale(node, scene)
+    node.size *= 2
+    assert images.is_stale(node, scene)
+    node.baked = "[]"
+    assert images.is_stale(node, scene)
+
+
 def test_settings_of_cycles():
     """All of ours but four are Cycles'; a file's are taken over, and given back by undo."""
     scene = common.empty_scene(8, 8)
@@ -350,6 +387,20 @@ def test_what_the_status_line_says():
         assert engine._within({"time_limit": 30.0}, 40.0, 3) == {"time_limit": 10.0}
         assert engine._within({"time_limit": 0.0}, 40.0, 3) == {"time_limit": 0.0}
         assert engine._within({"time_limit": 30.0}, 5.0, 1) == {"time_limit": 0.1}
+        for took, limits in ((1.0, [10.0, 14.5, 28.0]), (10.0, [10.0, 10.0, 10.0]), (40.0, [10.0, 0.05, 0.1])):
+            had = []
+
+            def picture(view, _count, _messages, took=took, had=had):
+                had.append(view["time_limit"])
+                now[0] += took
+                return "seen"
+            views, made = {name: {"time_limit": 30.0, "name": name} for name in ("objects", "shadows", "others")}, {}
+            finished, last = engine.LibshadeEngine._pictures(SimpleNamespace(_picture=picture), views, made, 4, None)
+            assert finished and last["name"] == "others" and list(made) == ["objects", "shadows"], made
+            assert np.allclose([*had, last["time_limit"]], limits), (had, last)
+        # Esc: the others are not begun, and the last has no part
+        stops = SimpleNamespace(_picture=lambda view, *_: None if view["name"] == "objects" else 1 / 0)
+        assert engine.LibshadeEngine._pictures(stops, views, made, 4, None) == (False, views["others"])
     finally:
         engine.time = clock
 
