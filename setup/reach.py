@@ -5,6 +5,7 @@
     setup/reach.py FILE …     as lines of setup/mutants.txt
 """
 import functools
+import os
 import re
 import subprocess
 import sys
@@ -17,22 +18,30 @@ ROOT = Path(__file__).resolve().parent.parent
 INCLUDES = ("", "libshade/", "libshade/include/", "blender_addon_c/native/", "blender_addon_c/", "povray_patches/")
 PACKAGES = ("", "compare/", "compare/tests/", "libshade/python/", "libshade/test/", "blender_addon_c/tests/", "blender_addon_c/tests/inside/",
             "setup/", "povray_patches/tests/")
+# What stands behind a header, where that is no file of its name.
+BEHIND = (("libshade/include/shade/", r"libshade/src/.*\.c$"), ("libshade/reference/reference.h", r"libshade/reference/.*\.c$"),
+          ("libshade/image/", r"libshade/image/.*\.(c|cpp)$"), ("libshade/dump/", r"libshade/dump/.*\.c$"))
 # What a text names that is no include: what is built of those files.
 BUILT = ((r"build/shade\b|BUILD / .shade.|\bSHADE\b", r"libshade/tool/[^/]*\.c$"),
          (r"native_scenes|_native\b", r"blender_addon_c/native/(python|render|scene|isa|system)/[^/]*\.c$"),
          (r"\bblender(_old|_new|52)?\b|common\.MODULE", r"blender_addon_c/(?!tests|tool)[^.]*\.py$"),
          (r"shade[-_]render\b", r"blender_addon_c/tool/[^/]*\.c$"),
-         (r"(?i)\bpovray\b", r"povray_patches/glue/"), (r"libshade\.so|\bimport shade\b", r"libshade/src/[^/]*\.c$"))
+         (r"(?i)\bpovray\b", r"povray_patches/(glue|editor)/|povray_patches/series$"),
+         (r"libshade\.so|\bimport shade\b", r"libshade/src/[^/]*\.c$"), (r"BUILD / .horizon.", r"compare/horizon\.c$"),
+         (r"BUILD / .displaced.", r"compare/displaced/.*\.c$"), (r"\bmake(_scene|\b.*-C\b)|[\"']make[\"']", r"(Makefile|.*\.mk)$"),
+         (r"make_scene|\bexamples/blender\b", r"examples/blender/.*\.py$"), (r"\bpip\b", r"libshade/python/setup\.py$"))
+# Files that are no source, and which stands for them: POV-Ray's own, as the patches leave them.
+STANDS_FOR = ((r"build/povray/src/|povray_patches/.*\.patch$", "povray_patches/series"),)
 
 
 @functools.cache
 def files():
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\n")
-    return frozenset(name for name in listed if re.search(r"\.(c|h|cpp|py)$", name))
+    return frozenset(name for name in listed if re.search(r"\.(c|h|cpp|py|sh|mk)$|^Makefile$|/series$", name))
 
 
 def _there(name):
-    return {name} & files()
+    return {os.path.normpath(name)} & files()
 
 
 @functools.cache
@@ -53,8 +62,9 @@ def needs(file):
             for name in re.split(r"[, ]+", names):
                 for place in (folder, *PACKAGES):
                     found |= _there(f"{place}{name.replace('.', '/')}.py")
-        for name in re.findall(r"[\"']([\w/]+\.py)[\"']", text):  # scripts that are started
-            found |= _there(folder + name) | _there(f"{folder}inside/{name}")
+        for name in re.findall(r"[\"']([\w/-]+\.(?:py|sh|mk))[\"']", text):  # scripts that are started
+            for place in (folder, f"{folder}inside/", "", "setup/"):
+                found |= _there(place + name)
         if ".scene(" in text:
             found |= _there(f"{folder}inside/scenes.py")
     else:
@@ -63,8 +73,7 @@ def needs(file):
                 found |= _there(place + name)
         for header in [name for name in found if name.endswith(".h")]:  # what it declares
             found |= _there(header[:-1] + "c") | _there(header[:-1] + "cpp")
-            if header.startswith("libshade/include/"):
-                found |= {name for name in files() if name.startswith("libshade/src/") and name.endswith(".c")}
+            found |= {name for start, behind in BEHIND if header.startswith(start) for name in files() if re.match(behind, name)}
     if "/test" in file:
         for word, built in BUILT:
             if re.search(word, text):
@@ -85,6 +94,7 @@ def reached(file):
 
 def tests(file):
     """Lines of setup/mutants.txt: the tests that reach a file, cheapest first."""
+    file = next((other for kind, other in STANDS_FOR if re.match(kind, file)), file)
     found = sorted((test for test in costs.files() if file in reached(test)), key=costs.cost)
     lines = []
     for test in found:
