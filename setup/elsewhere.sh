@@ -3,7 +3,7 @@
 # Where there is no apt: is what Debian's packages bring there, whatever brought it? What is missing is named as the system
 # names it (elsewhere.txt), with status 1; nothing is installed.
 #   setup/elsewhere.sh setup/packages-build.txt ...
-# OS_RELEASE: instead of /etc/os-release.
+# OS_RELEASE, USR: instead of /etc/os-release and /usr.
 set -eu
 [ $# -gt 0 ] || { sed -n '3,6s/^# \?//p' "$0" >&2; exit 2; }
 table=$(dirname "$0")/elsewhere.txt
@@ -24,7 +24,7 @@ is_there() { # kind, name
   module) pkg-config --exists "$2" 2>/dev/null ;;
   header) includes "$2" -I. ;;
   library) [ -e "$(${CC:-cc} -print-file-name="$2" 2>/dev/null)" ] ;;
-  file) [ -e "/usr/$2" ] || [ -e "/usr/local/$2" ] ;;
+  file) [ -e "${USR:-/usr}/$2" ] || [ -e "${USR:-/usr}/local/$2" ] ;;
   python) /usr/bin/python3 -c "import $2" 2>/dev/null ;;
   python-header) includes "$2" "-I$(/usr/bin/python3 -c 'import sysconfig; print(sysconfig.get_path("include"))' 2>/dev/null)" ;;
   esac

@@ -18,3 +18,9 @@ def test_each_file_says_its_cost(file):
 
 def test_the_sum_is_bounded():
     assert sum(map(costs.cost, costs.files())) <= LIMIT, "run setup/costs.py: what costs most and finds least goes to make soak"
+
+
+def test_what_goes_apart_costs_as_well():
+    for file in costs.files():
+        assert costs.cost(file) == sum([costs.said(file, "COST", 0), *costs.said(file, "ALONE", {}).values()]), file
+    assert costs.cost("blender_addon_c/tests/test_native_build.py") > 2 * costs.said("blender_addon_c/tests/test_native_build.py", "COST", 0) > 0

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-up where there is no apt: what is missing is named as that system names it. And of the whole house: one version, and what is new
 in it."""
+import os
 import re
 import shutil
 import subprocess
@@ -30,7 +31,8 @@ def run(tmp_path):
         listed = tmp_path / "packages.txt"
         listed.write_text("# a list\n" + "\n".join(packages) + "\n")
         return subprocess.run(["/bin/sh", SETUP / "apt.sh", listed], capture_output=True, text=True, cwd=tmp_path, check=False,
-                              env={"PATH": str(folder), "OS_RELEASE": str(tmp_path / "os-release"), "LC_ALL": "C"})
+                              env={"PATH": str(folder), "OS_RELEASE": str(tmp_path / "os-release"), "LC_ALL": "C", **{
+                                  name: os.environ[name] for name in ("USR",) if name in os.environ}})
     return run
 
 
@@ -62,6 +64,65 @@ def test_every_package_has_a_row():
         if listed.name != "packages-debian13.txt":  # of that system alone
             named = {word for line in listed.read_text(encoding="utf-8").splitlines() for word in line.split("#")[0].split()}
             assert named <= set(known), listed.name
+
+
+# What stands for Debian's programs: packages in `installed` are; apt-get logs what it is asked and, `fails` times, fails; id says who
+# it is.
+DEBIAN = {"dpkg-query": 'for name; do :; done; grep -qx "$name" installed && printf installed || exit 1',
+          "apt-get": 'echo "$*" >>log; case " $* " in *" install "*) if [ -s fails ]; then sed -i 1d fails; exit 1; fi; for w; do case $w in -*|install|A*|D*) ;; '
+                     '*) echo "$w" >>installed ;; esac; done ;; esac',
+          "id": "cat user", "sudo": 'echo sudo >>log; exec "$@"'}
+
+
+@pytest.fixture
+def debian(tmp_path):
+    """apt.sh where the packages of `there` are installed, as root or not, with sudo or not: it, and what apt-get was asked."""
+    def debian(*wanted, there=(), root=True, sudo=False, fails=0):
+        folder = tmp_path / "bin"
+        if not folder.exists():
+            folder.mkdir()
+            for word in ("sh", "sed", "dirname", "printf", "env", "cat", "grep", "mkdir", "flock", "find", "touch"):
+                (folder / word).symlink_to(shutil.which(word))
+        for word, text in DEBIAN.items():
+            (folder / word).unlink(missing_ok=True)
+            if word != "sudo" or sudo:
+                (folder / word).write_text(f"#!/bin/sh\n{text}\n")
+                (folder / word).chmod(0o755)
+        for name, text in (("installed", "".join(f"{name}\n" for name in there)), ("user", "0" if root else "1000"), ("fails", "x\n" * fails),
+                           ("log", ""), ("packages.txt", "# a list\n" + "".join(f"{name} # why\n" for name in wanted))):
+            (tmp_path / name).write_text(text)
+        done = subprocess.run(["/bin/sh", SETUP / "apt.sh", "packages.txt"], capture_output=True, text=True, cwd=tmp_path, check=False,
+                              env={"PATH": str(folder)})
+        asked = [line.split() for line in (tmp_path / "log").read_text().splitlines()]
+        return done, [words[-1] if "update" in words else " ".join(w for w in words if w in ("sudo", *wanted)) for words in asked]
+    return debian
+
+
+def test_debians_packages_are_installed(debian):
+    """Those that are missing alone, by root or by sudo; lists are refreshed once an hour, and where an installation fails; nobody
+    is asked for anything where all are there."""
+    done, asked = debian("gcc", "make", there=("gcc", "make"), root=False)
+    assert (done.returncode, done.stdout, done.stderr, asked) == (0, "", "", [])
+    done, asked = debian("gcc", "make", there=["gcc"], root=False)
+    assert done.returncode == 1 and asked == [] and "neither root nor sudo" in done.stderr
+    assert "apt-get install --no-install-recommends make \n" in done.stderr
+    done, asked = debian("gcc", "make", there=["gcc"])
+    assert done.returncode == 0 and asked == ["update", "make"] and "installing Debian packages: make" in done.stdout
+    assert debian("gcc", "make", "sed", root=False, sudo=True)[1] == ["sudo", "gcc make sed"]
+    done, asked = debian("gcc", fails=1)
+    assert done.returncode == 0 and asked == ["gcc", "update", "gcc"]
+    done, asked = debian("gcc", fails=2)
+    assert done.returncode == 1 and asked == ["gcc", "update", "gcc"] and "could not install: gcc" in done.stderr
+
+
+@pytest.mark.parametrize("place", ["share", "local/share", "elsewhere"])
+def test_files_of_packages(run, tmp_path, monkeypatch, place):
+    """In /usr or, what a person installed, in /usr/local."""
+    found = tmp_path / "usr" / place / "aclocal/ax_boost_base.m4"
+    found.parent.mkdir(parents=True)
+    found.touch()
+    monkeypatch.setenv("USR", str(tmp_path / "usr"))
+    assert run("fedora", "autoconf-archive").returncode == (place == "elsewhere")
 
 
 @pytest.mark.skipif(not shutil.which("dpkg-query"), reason="no dpkg")

@@ -619,8 +619,65 @@ static void round_trip(void **state) {
   free(text);
 }
 
+/* Centimetres of a unit's each spelling, for lengths with one of their own and without. */
+static void units(void **state) {
+  static const struct {
+    const char *word;
+    double cm;
+  } said[] = {{"centimeters", 1},
+              {"Centimetres", 1},
+              {"centimeter", 1},
+              {"CENTIMETRE", 1},
+              {"cm", 1},
+              {"inches", 2.54},
+              {"Inch", 2.54},
+              {"in", 2.54},
+              {"millimeters", .1},
+              {"Millimetres", .1},
+              {"mm", .1},
+              {"decipoints", .00352777777777777778},
+              {"Decipoint", .00352777777777777778}};
+  (void)state;
+  for (size_t k = 0; k < sizeof said / sizeof said[0]; k++) {
+    char text[400];
+    snprintf(text, sizeof text,
+             "[WARP]\nUnits=%s # so\nSpacing=2 ; a half\n[WEFT]\nThickness=3 %s\n" LOOM STRAIGHT
+                 TIED TROD,
+             said[k].word, said[k].word);
+    char message[512];
+    shade_draft *d = shade_wif_parse(text, strlen(text), "cloth.wif", message, sizeof message);
+    assert_non_null(d);
+    assert_near(d->warp[0].spacing, 2 * said[k].cm, 1e-14);
+    assert_near(d->weft[0].thickness, 3 * said[k].cm, 1e-14);
+    shade_draft_free(d);
+  }
+}
+
+/* Drafts are the same if all that they hold is. */
+static void equal_drafts(void **state) {
+  (void)state;
+  shade_draft *a = shade_draft_named("twill_2_2"), *b = shade_draft_named("twill_2_2");
+  assert_true(shade_draft_equal(a, b));
+  for (int weft = 0; weft < 2; weft++) {
+    shade_thread *t = weft ? &b->weft[3] : &b->warp[3];
+    double *const numbers[] = {&t->color[0], &t->color[1], &t->color[2], &t->thickness,
+                               &t->spacing};
+    for (int k = 0; k < 5; k++) {
+      const double was = *numbers[k];
+      *numbers[k] = was + .125;
+      assert_false(shade_draft_equal(a, b));
+      *numbers[k] = was;
+    }
+  }
+  b->warp_up[5] ^= 1;
+  assert_false(shade_draft_equal(a, b));
+  shade_draft_free(a);
+  shade_draft_free(b);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(units),           cmocka_unit_test(equal_drafts),
       cmocka_unit_test(plain_reading),   cmocka_unit_test(messy),
       cmocka_unit_test(refusals),        cmocka_unit_test(wrong_counts),
       cmocka_unit_test(counting_from_0), cmocka_unit_test(plans),

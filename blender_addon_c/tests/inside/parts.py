@@ -158,10 +158,33 @@ def test_the_viewport_has_samples_of_its_own():
     viewport.export.read = lambda _depsgraph, _camera, size, region, samples, *_others, **_more: seen.append((size, region, samples))
     try:
         view = viewport._View((8, 6), Matrix.Identity(4), Matrix.Identity(4), (0.1, 100), (0, 0, 8, 6))
-        viewport.Viewport()._read(view, bpy.context.evaluated_depsgraph_get(), None)
+        scene.cycles.film_exposure = 2.5
+        shown = viewport.Viewport()
+        shown._error = "of before"
+        shown._read(view, bpy.context.evaluated_depsgraph_get(), None)
     finally:
         viewport.export.read = read
     assert seen == [((8, 6), (0, 0, 8, 6), 7)]
+    assert shown._exposure == 2.5 and shown._waiting and not shown._changed and not shown._error
+
+
+def test_what_the_viewport_says_of_a_picture():
+    """No finer one follows one that failed; what went wrong is said, and how much more there is."""
+    viewport = module("viewport")
+    shown = viewport.Viewport()
+    for finished, factor, failed, last in ((False, 1, False, False), (True, 1, False, True), (True, 8, False, False), (True, 8, True, True)):
+        shown._finished, shown._failed, shown._made = finished, failed, SimpleNamespace(factor=factor)
+        assert shown._is_last() == last, (finished, factor, failed)
+    shown._messages = SimpleNamespace(errors=["bad"], warnings=["odd"])
+    assert shown._complaint({"state": "done", "warnings": []}) == "bad (and 1 more)"
+    assert shown._complaint({"state": "failed", "message": "broken", "warnings": ["old"]}) == "broken (and 3 more)"
+    shown._messages = SimpleNamespace(errors=[], warnings=[])
+    assert shown._complaint({"state": "done", "warnings": ["old"]}) == "old" and shown._complaint({"state": "done", "warnings": []}) == ""
+    view = viewport._View((100, 60), None, None, None, (10, 20, 91, 60))
+    for factor, size, region, samples in ((1, (100, 60), (10, 20, 91, 60), 9), (0, (100, 60), (10, 20, 91, 60), 9),
+                                          (8, (13, 8), (1, 2, 12, 8), 1)):
+        made = viewport._picture(view, factor, 9)
+        assert (made.size, made.region, made.samples) == (size, region, samples), made
 
 
 def test_pixels_that_no_file_has_are_read_each_time():
@@ -431,10 +454,31 @@ def test_errors_are_told_and_the_result_ends():
     assert report.told(scene) == [("new", False)] and not report.told(bpy.data.scenes.new("another"))
 
 
+# Panel, what is set, a setting in it, whether it is grey then; a person's
+GREYED = (
+    ("RENDER_PT_libshade_film", {"scene.libshade.pixel_filter_type": "BOX"}, "filter_width", True),
+    ("RENDER_PT_libshade_film", {"scene.libshade.pixel_filter_type": "GAUSSIAN"}, "filter_width", False),
+    ("RENDER_PT_libshade_film", {"scene.libshade.pixel_filter_type": "BLACKMAN_HARRIS"}, "filter_width", False),
+    ("RENDER_PT_libshade_film", {"scene.render.film_transparent": False}, "film_transparent_glass", True),
+    ("RENDER_PT_libshade_film", {"scene.render.film_transparent": True}, "film_transparent_roughness", False),
+    ("RENDER_PT_libshade_sampling", {"scene.libshade.use_adaptive_sampling": False}, "adaptive_threshold", True),
+    ("RENDER_PT_libshade_sampling", {"scene.libshade.use_adaptive_sampling": True}, "adaptive_min_samples", False),
+    ("RENDER_PT_libshade_performance", {"scene.render.threads_mode": "AUTO"}, "threads", True),
+    ("RENDER_PT_libshade_performance", {"scene.render.threads_mode": "FIXED"}, "threads", False),
+    ("RENDER_PT_libshade_motion_blur", {"scene.render.use_motion_blur": False}, "motion_blur_shutter", True),
+    ("RENDER_PT_libshade_motion_blur", {"scene.render.use_motion_blur": True}, "motion_blur_shutter", False),
+    ("RENDER_PT_libshade_motion_blur", {"scene.cycles.rolling_shutter_type": "NONE"}, "rolling_shutter_duration", True),
+    ("RENDER_PT_libshade_motion_blur", {"scene.cycles.rolling_shutter_type": "TOP"}, "rolling_shutter_duration", False),
+    ("OBJECT_PT_libshade_motion_blur", {"scene.render.use_motion_blur": True, "object.cycles.use_motion_blur": True}, "motion_steps", False),
+    ("OBJECT_PT_libshade_motion_blur", {"scene.render.use_motion_blur": True, "object.cycles.use_motion_blur": False}, "motion_steps", True),
+    ("OBJECT_PT_libshade_motion_blur", {"scene.render.use_motion_blur": False, "object.cycles.use_motion_blur": True}, "motion_steps", True),
+)
+
+
 def test_what_is_greyed():
     """A setting is grey where it changes nothing."""
-    scene = common.empty_scene()
-    panels, drawn = module("panels"), {}
+    scene, panels, drawn = common.empty_scene(), module("panels"), {}
+    ob = bpy.data.objects.new("thing", bpy.data.meshes.new("thing"))
 
     class Layout:
         active = use_property_split = use_property_decorate = True
@@ -442,17 +486,22 @@ def test_what_is_greyed():
         def prop(self, _of, name, **_more):
             drawn[name] = self
 
+        def template_curve_mapping(self, *_which):
+            pass
+        operator = template_curve_mapping
+
         def row(self, **_more):
             return Layout()
         column = row
 
-    for kind, active in (("BOX", False), ("GAUSSIAN", True), ("BLACKMAN_HARRIS", True)):
-        scene.libshade.pixel_filter_type = kind
-        for name in dir(panels):
-            panel = getattr(panels, name)
-            if name.startswith("RENDER_PT_") and "film" in name:
-                panel.draw(SimpleNamespace(layout=Layout()), SimpleNamespace(scene=scene))
-        assert drawn["filter_width"].active == active and drawn["pixel_filter_type"].active, kind
+    for panel, settings, name, grey in GREYED:
+        for path, value in settings.items():
+            owner = {"scene": scene, "object": ob}[path.split(".")[0]]
+            for part in path.split(".")[1:-1]:
+                owner = getattr(owner, part)
+            setattr(owner, path.rpartition(".")[2], value)
+        getattr(panels, panel).draw(SimpleNamespace(layout=Layout()), SimpleNamespace(scene=scene, object=ob))
+        assert drawn[name].active != grey, (panel, settings, name)
 
 
 def test_a_group_stands_where_its_node_stood():
@@ -469,6 +518,198 @@ def test_a_group_stands_where_its_node_stood():
     assert (group.width, group.hide, group.label) == (222, True, "mine")
     assert abs(group.inputs["Rotation"].default_value - 0.25) < 1e-6
     assert group.outputs[0].links[0].to_socket.node.name == target
+
+
+def test_whose_nodes_become_groups():
+    """Those of the active material alone, or of all of them and of groups; not what is linked from another file."""
+    def left():
+        return {owner.name: sum(n.bl_idname == "LibshadeMetalNode" for n in tree.nodes) for owner, tree in owners}
+    common.empty_scene()
+    materials = [common.metal(name)[0] for name in ("one", "two")]
+    group = bpy.data.node_groups.new("inside", "ShaderNodeTree")
+    group.nodes.new("LibshadeMetalNode")
+    owners = [*((m, m.node_tree) for m in materials), (group, group)]
+    ob = bpy.data.objects.new("thing", bpy.data.meshes.new("thing"))
+    ob.data.materials.append(materials[1])
+    bpy.context.scene.collection.objects.link(ob)
+    bpy.context.view_layer.objects.active = ob
+    assert bpy.ops.libshade.convert_to_group() == {"FINISHED"} and left() == {"one": 1, "two": 0, "inside": 1}, left()
+    assert bpy.ops.libshade.convert_to_group(all_materials=True) == {"FINISHED"} and not any(left().values()), left()
+
+
+def test_operators_of_a_node():
+    """On one of their kind that is the file's own."""
+    own = module("own_node")
+
+    class Of(own.OnNode):
+        kind = "mine"
+    for kind, library, may in (("mine", None, True), ("mine", "another.blend", False), ("other", None, False)):
+        node = SimpleNamespace(bl_idname=kind, id_data=SimpleNamespace(library=library))
+        for context in (SimpleNamespace(node=node), SimpleNamespace(active_node=node)):
+            assert Of.poll(context) == may, (kind, library)
+        assert type("Panel", (own.NodePanel,), {"kind": "mine"}).poll(SimpleNamespace(active_node=node)) == (kind == "mine")
+    assert not Of.poll(SimpleNamespace(active_node=None))
+
+
+def test_the_dialog_of_images_knows_those_that_there_are():
+    operators, scratches = module("scratches.operators"), module("scratches.images")
+    tree = {scratches.MADE: (1024, 5, 1)}
+    node = SimpleNamespace(node_tree=tree, id_data=SimpleNamespace(nodes=SimpleNamespace(active=None)))
+    manager = SimpleNamespace(invoke_props_dialog=lambda _asked: {"RUNNING_MODAL"})
+    for made, wanted in (((1024, 5, 1), ("1024", 5, True)), ((512, 1, 0), ("512", 1, False)), ((77, 1, 1), ("2048", 3, False))):
+        tree[scratches.MADE] = made
+        asked = SimpleNamespace(node_of=lambda _context: node, size="2048", samples=3, points=False)
+        said = operators.LIBSHADE_OT_bake_scratches.invoke(asked, SimpleNamespace(window_manager=manager), None)
+        assert said == {"RUNNING_MODAL"} and (asked.size, asked.samples, asked.points) == wanted and node.id_data.nodes.active == node
+
+
+class Stopped(Exception):
+    """Far enough."""
+
+
+def of_engine(scene, preview):
+    """What the module would get of a scene, and whether the engine asked where to save it; nothing is rendered."""
+    engine, asked = module("engine"), []
+    fake = SimpleNamespace(is_preview=preview, resolution_x=16, resolution_y=12, update_stats=lambda *_texts: None,
+                           camera_override=scene.camera)
+    place, start = engine.saved.place_of, engine._start
+
+    def stop(made):
+        asked.append(made)
+        raise Stopped
+    engine.saved.place_of, engine._start = lambda *_which: (asked.append("place"), ("", False))[1], stop
+    try:
+        engine.LibshadeEngine._render_scene(fake, bpy.context.evaluated_depsgraph_get(), (0, 0, 16, 12), SimpleNamespace(view=""),
+                                            np.zeros(16 * 12 * 4, np.float32), module("export").Messages())
+    except Stopped:
+        pass
+    finally:
+        engine.saved.place_of, engine._start = place, start
+    return asked[-1], "place" in asked
+
+
+# A setting, and what the native module is told of it; a person's.
+TOLD = (
+    ("render.threads_mode", "AUTO", "threads", 0), ("render.threads_mode", "FIXED", "threads", 3), ("render.threads", 256, "threads", 256),
+    ("render.threads", 1024, "threads", 256), ("libshade.samples", 33, "samples", 33), ("libshade.seed", 7, "seed", 7),
+    ("libshade.use_animated_seed", True, "seed", 12), ("libshade.max_bounces", 3, "max_bounces", 3),
+    ("libshade.diffuse_bounces", 1, "diffuse_bounces", 1), ("libshade.glossy_bounces", 2, "glossy_bounces", 2),
+    ("libshade.transmission_bounces", 5, "transmission_bounces", 5), ("libshade.transparent_max_bounces", 6, "transparent_max_bounces", 6),
+    ("libshade.sample_clamp_direct", 4.0, "sample_clamp_direct", 4), ("libshade.sample_clamp_indirect", 2.0, "sample_clamp_indirect", 2),
+    ("libshade.light_sampling_threshold", 0.25, "light_sampling_threshold", 0.25), ("libshade.blur_glossy", 0.5, "blur_glossy", 0.5),
+    ("libshade.texture_blur", 0.5, "texture_blur", 0.5), ("libshade.caustics_reflective", False, "caustics_reflective", False),
+    ("libshade.caustics_refractive", False, "caustics_refractive", False), ("libshade.soft_terminator", False, "soft_terminator", False),
+    ("libshade.filter_normals", False, "normal_blur", 0), ("libshade.time_limit", 5.0, "time_limit", 5),
+    ("libshade.pixel_filter_type", "BOX", "filter_width", 0), ("libshade.pixel_filter_type", "GAUSSIAN", "filter_width", 4.5),
+    ("libshade.pixel_filter_type", "BLACKMAN_HARRIS", "filter_width", 3), ("libshade.filter_width", 2.0, "filter_width", 4),
+    ("render.film_transparent", True, "transparent", True), ("cycles.film_transparent_glass", True, "clear_glass", 0.01),
+    ("cycles.film_transparent_roughness", 0.5, "clear_glass", 0.25), ("render.film_transparent", False, "clear_glass", None),
+    ("libshade.adaptive_min_samples", 9, "adaptive_min_samples", None), ("libshade.use_adaptive_sampling", True, "adaptive_min_samples", 9),
+    ("libshade.adaptive_min_samples", 1, "adaptive_min_samples", 4), ("libshade.adaptive_threshold", 0.5, "adaptive_threshold", 0.5),
+)
+
+
+def test_what_the_module_is_told():
+    """Each setting by itself, after those before it. Material balls are rendered by other rules and leave no file."""
+    scene = common.empty_scene(16, 12)
+    common.camera(scene, (0, 0, 5))
+    scene.render.threads_mode, scene.render.threads = "AUTO", 3
+    scene.frame_set(5)
+    scene.cycles.film_transparent_roughness = 0.1
+    for path, value, key, wanted in TOLD:
+        owner, _, name = path.partition(".")
+        setattr(getattr(scene, owner), name, value)
+        scene.update_tag()
+        made, _ = of_engine(scene, False)
+        assert wanted == made.get(key) or abs(made.get(key, 1e9) - wanted) < 1e-6, (path, value, key, made.get(key))
+    os.environ["LIBSHADE_DUMP"] = "/no/such/dump.exr"
+    try:
+        for preview in (False, True):
+            made, placed = of_engine(scene, preview)
+            assert placed != preview and made["samples"] == (32 if preview else 33) and bool(made["dump"]) != preview, (preview, made["samples"])
+    finally:
+        del os.environ["LIBSHADE_DUMP"]
+
+
+def test_messages_are_told_once():
+    """Of two eyes, too; and all of them are kept for the panel."""
+    engine, report, scene = module("engine"), module("report"), common.empty_scene()
+    said, told = [], set()
+    fake = SimpleNamespace(report=lambda kind, text: said.append((*kind, text)))
+    for warnings in (["odd"], ["odd", "new"], ["new"]):
+        engine.LibshadeEngine._tell(fake, scene, SimpleNamespace(errors=["bad"], warnings=warnings), told)
+    assert said == [("ERROR", "libshade: bad"), ("WARNING", "libshade: odd"), ("WARNING", "libshade: new")], said
+    assert report.told(scene) == [("bad", True), ("new", False)]
+
+
+def test_what_a_saved_scene_says():
+    """Exposure multiplies light, and nothing else; what cannot be written, or not be rendered, is no success."""
+    saved, export, written = module("saved"), module("export"), []
+    passes = [SimpleNamespace(name=name, channels=letters, plane=plane) for name, letters, plane in (
+        ("Depth", "Z", "Z"), ("Emit", "RGB", "EMISSION"), ("DiffCol", "RGB", "DIFFUSE_COLOR"), ("DiffDir", "RGB", "DIFFUSE_DIRECT"),
+        ("other", "RGBA", export.AOV), ("shadow", "RGB", export.CATCHER))]
+    scene, write, bpy_ = {"catchers": {"seen": []}}, saved.scene_file.write, saved.bpy
+    try:
+        saved.scene_file.write = lambda *said: written.append(said)
+        saved.write("a.shscene", "layer", scene, passes, 2.5, [("view", "other", "RGBA", 1.0)], "texts")
+        assert written == [("a.shscene", "layer", [
+            (scene, [("Combined", "RGBA", "", 2.5), ("Depth", "Z", "Z", 1.0), ("Emit", "RGB", "EMISSION", 2.5),
+                     ("DiffCol", "RGB", "DIFFUSE_COLOR", 1.0), ("DiffDir", "RGB", "DIFFUSE_DIRECT", 2.5)]),
+            ("view", [("other", "RGBA", "", 1.0)])], "texts")], written
+        for error in (OSError("full"), ValueError("odd")):
+            def fails(*_said, error=error):
+                raise error
+            saved.scene_file.write = fails
+            try:
+                saved.write("a.shscene", "layer", scene, passes, 1.0, [], "")
+                assert False
+            except export.SceneError as told:
+                assert str(error) in str(told)
+        told, seen = [], []
+
+        def renders():
+            seen.append(saved._chosen)
+            if len(seen) > 1:
+                raise RuntimeError("no camera")
+        saved.bpy = SimpleNamespace(path=bpy.path, ops=SimpleNamespace(render=SimpleNamespace(render=renders)))
+        fake = SimpleNamespace(filepath="/tmp/b.shscene", report=lambda kind, text: told.append((*kind, text)))
+        ends = [saved.LIBSHADE_OT_save_scene.execute(fake, None) for _ in range(2)]
+    finally:
+        saved.scene_file.write, saved.bpy = write, bpy_
+    assert ends == [{"FINISHED"}, {"CANCELLED"}] and seen == ["/tmp/b.shscene"] * 2 and saved._chosen is None
+    assert told == [("INFO", "Saved for shade-render: /tmp/b.shscene"), ("ERROR", "no camera")], told
+
+
+class Items(list):
+    """A collection of Blender's: attributes of its items by foreach_get."""
+
+    def __init__(self, count, **attributes):
+        super().__init__(range(count))
+        self.attributes = attributes
+
+    def foreach_get(self, name, values):
+        values[:] = np.ravel(self.attributes[name])
+
+
+def test_how_thick_hair_is():
+    """Without a radius of their own curves are 5 mm thick in radius and points 10, as in Cycles; a spiral's steps are added."""
+    strands = module("export.strands")
+    curves = SimpleNamespace(points=Items(3, position=np.zeros((3, 3))), curves=Items(2, points_length=[2, 1]), attributes={})
+    found = strands.of_curves(curves)
+    assert np.allclose(found.radii, 0.005) and found.ends.tolist() == [2, 3]
+    curves.attributes = {"radius": SimpleNamespace(domain="POINT", data_type="FLOAT", data=Items(3, value=[1, 2, 3]))}
+    assert strands.of_curves(curves).radii.tolist() == [1, 2, 3]
+    points = SimpleNamespace(attributes={"position": SimpleNamespace(data=Items(2, vector=np.zeros((2, 3))))})
+    assert np.allclose(strands.of_points(points).radii, 0.01)
+    plain = {"render_step": 2, "kink_extra_steps": 4, "kink": "NO", "child_type": "NONE", "shape": 0.0, "radius_scale": 1.0,
+             "root_radius": 0.2, "tip_radius": 0.1, "use_close_tip": False}
+    ob = SimpleNamespace(type="CURVES", matrix_world=Matrix.Identity(4))
+    for change, steps, ends in (({}, 5, (0.1, 0.05)), ({"kink": "SPIRAL"}, 9, (0.1, 0.05)), ({"render_step": 3}, 9, (0.1, 0.05)),
+                                ({"use_close_tip": True}, 5, (0.1, 0)), ({"radius_scale": 3.0}, 5, (0.3, 0.15))):
+        system = SimpleNamespace(settings=SimpleNamespace(**{**plain, **change}), particles=[0], child_particles=[],
+                                 co_hair=lambda _ob, particle_no, step: (particle_no, 0, step))
+        hair = strands.of_hair(ob, None, system)
+        assert hair.ends.tolist() == [steps] and np.allclose(hair.radii[[0, -1]], ends), (change, hair)
 
 
 def test_the_viewport_is_never_coarser_than_that():
