@@ -54,17 +54,20 @@ def test_options(tmp_path, path):
 @pytest.mark.parametrize("words, status, said", [
     ((), 2, "one scene and -o FILE.exr"), (("-o", "x.png"), 2, "-o FILE.exr"), (("-o", "x.exr", "--tile", "1,2,3"), 2, "'1"),
     (("-o", "x.exr", "--samples", "0"), 2, "'0'"), (("-o", "x.exr", "--tile", "0,0,17,1"), 1, "--tile must be within"),
-    (("-o", "x.exr", "--passes", "Mist"), 1, "none of these passes"), (("-o", "missing/x.exr"), 1, "missing/x.exr: cannot write")])
+    (("-o", "x.exr", "--passes", "Mist"), 1, "none of these passes"),
+    (("-o", "x.exr", "--passes", "Depths,Dept,Combined2"), 1, "none of these passes"), (("-o", "missing/x.exr"), 1, "missing/x.exr: cannot write")])
 def test_what_is_wrong_with_a_call_is_told(path, words, status, said):
     done = run(path, *words)
     assert done.returncode == status and said in done.stderr, done.stderr
 
 
 def test_ctrl_c_leaves_no_file(tmp_path):
+    """Of two pictures the first is half of the work."""
     path = tmp_path / "s.shscene"
-    scene_file.write(path, "L", [(scene(width=2000, height=2000, samples=4096), [COMBINED])])
+    short, long = scene(width=1, height=1, samples=1), scene(width=2000, height=2000, samples=4096)
+    scene_file.write(path, "L", [(short, [COMBINED]), (long, [("Long", "RGBA", "", 1.0)])])
     going = subprocess.Popen([TOOL, path, "-o", tmp_path / "x.exr", "--progress"], stderr=subprocess.PIPE, text=True)
-    assert "%" in going.stderr.readline()  # after two seconds
+    assert going.stderr.readline().split()[1:] == ["50", "%"]  # after two seconds
     asked = time.monotonic()
     going.send_signal(signal.SIGINT)
     assert going.wait(60) == 130 and time.monotonic() - asked < 10
