@@ -64,7 +64,7 @@ def test_what_is_wrong_with_a_call_is_told(path, words, status, said):
 def test_ctrl_c_leaves_no_file(tmp_path):
     """Of two pictures the first is half of the work."""
     path = tmp_path / "s.shscene"
-    short, long = scene(width=1, height=1, samples=1), scene(width=2000, height=2000, samples=4096)
+    short, long = (scene(width=400, height=400, samples=samples) for samples in (1, 65536))
     scene_file.write(path, "L", [(short, [COMBINED]), (long, [("Long", "RGBA", "", 1.0)])])
     going = subprocess.Popen([TOOL, path, "-o", tmp_path / "x.exr", "--progress"], stderr=subprocess.PIPE, text=True)
     assert going.stderr.readline().split()[1:] == ["50", "%"]  # after two seconds

@@ -61,6 +61,9 @@ def test_files(prefix):
         if not path.is_symlink():
             mode = 0o755 if path.is_dir() or path.parent.name == "bin" else 0o644
             assert path.stat().st_mode & 0o777 == mode, path
+    for end in ("", f".{version().rsplit('.', 1)[0]}"):  # both names lead to the library
+        assert os.path.realpath(prefix / f"lib/libshade.so{end}") == os.path.realpath(prefix / f"lib/libshade.so.{version()}") and \
+            (prefix / f"lib/libshade.so{end}").exists(), end
     # what was installed needs nothing of the place where it was built
     for path in ("pkgconfig/libshade.pc", "cmake/libshade/libshadeConfig.cmake"):
         assert str(ROOT) not in (prefix / "lib" / path).read_text()
