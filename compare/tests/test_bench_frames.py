@@ -34,6 +34,7 @@ def test_quarters_are_those_of_the_ratios(ratios, low, median, high):
 def test_a_scene_that_is_slower_is_named_and_one_that_looks_different():
     rows = [row_of("pan", (1, 1.02), (1, 1.04), (1, 1.05)), row_of("dial", (1, 1.0), (1, 1.02), (1, 1.03), largest=2e-5),
             row_of("table", (1, 0.5), (1, 0.7), (1, 0.6), largest=9e-6)]
+    rows[2].largest, rows[2].mean = 9e-6, 0  # the largest counts
     said = "\n".join(bench.verdict(rows, 1.03, False))
     assert "Over 1.03: pan." in said and "Pictures differ: dial." in said and "Median of 3 scenes 1.020, 0.600 to 1.040" in said
     assert "byte for byte" not in said
@@ -117,3 +118,25 @@ def test_a_commits_add_on_has_its_own_libraries():
     native = [path for path in bench.goals(programs.ROOT) if path.endswith(".so")]
     assert sorted(native) == [f"build/blender/addons/libshade/{name}.so" for name in (
         "_native.abi3", "lib/libshade_embree", "lib/libshade_openexrcore", "lib/libshade_tbb")]
+
+
+def test_what_is_kept_is_of_the_same_files(tmp_path, monkeypatch):
+    """A scene's file is kept with what it was made from: the add-on's modules, its script and what stands beside, its order."""
+    side, scene = bench.Side(tmp_path, tmp_path / "scenes"), bench.Scene("pan", tmp_path / "make.py")
+    for file in (side.add_on / "nodes.py", side.add_on / "export/scene.py", scene.script):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("a")
+    side.scenes.mkdir()
+    assert bench.kept(side, scene) is None
+    side.file(scene).with_suffix(".of").write_text("of")
+    assert bench.kept(side, scene) is None  # what was made is gone
+    side.file(scene).write_text("made")
+    assert bench.kept(side, scene) == "of"
+    seen = [bench.made_from(side, scene)]
+    for file in (side.add_on / "nodes.py", side.add_on / "export/scene.py", scene.script):
+        file.write_text("b")
+        seen.append(bench.made_from(side, scene))
+    seen.append(bench.made_from(side, scene._replace(samples=17)))
+    monkeypatch.setitem(bench.ORDERS, "pan", {"size": 1})
+    seen.append(bench.made_from(side, scene))
+    assert len(set(seen)) == len(seen) and bench.made_from(side, scene) == seen[-1]
