@@ -28,6 +28,11 @@ def test_what_both_show_of_a_text(name):
     names = [re.match(r"#declare (\w+) = finish", line) for line in text.splitlines() if re.search(r"\bemission\b", line)]
     assert all(names) and not any(re.search(rf"finish {{ {found[1]}\b", text) for found in names)  # told of, and used by none
     assert len(set(left)) == len(left)
+    # three suns stand for a sky, but where they would shine through a wall or glitter
+    suns = 3 if name not in ("presets", "embossed") and re.search(r"\bsky_sphere", re.sub("//.*", "", said)) else 0
+    places = ["<1.9, 3.6, 9>", "<6, 5, -6>", "<-9, 4, 1>"]
+    assert sum(place in lamp for lamp in lamps for place in places) == suns
+    assert sum("three suns" in what for what in left) == (suns > 0)
 
 
 def test_a_changed_example_is_an_error():

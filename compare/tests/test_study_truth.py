@@ -153,6 +153,14 @@ G = displacement.GROOVED
     (8, change(kind="cloth", cloth="denim", to=("colour_far", lambda v: 0.2))),
     (9, change(kind="rendered", surface="waves", method="rotate", to=("error", lambda v: 0.03))),
     (9, change(kind="rendered", surface="scratches", method="perturb", to=("error", lambda v: 0.005))),
+    # the other half of each sentence
+    (0, change(kind="picture", material=G, method="perturb", to=("error_point", lambda v: 1e-6))),
+    (2, change(kind="picture", material=G, method="rotate", to=("error_point", lambda v: 0.5))),
+    (3, change(kind="picture", material=displacement.ROUND, method="deform_smooth", to=("error_point", lambda v: 1e-3))),
+    (7, change(kind="diffuse", method="lambert", to=("error", lambda v: 0.0))),
+    (7, change(kind="diffuse", method="fibre_printed", to=("error", lambda v: 9.0))),
+    (8, change(kind="cloth", to=("colour_single", lambda v: 0.0))),
+    (9, change(kind="rendered", method=study_truth.CYCLES, to=("error", lambda v: 0.05))),
 ])
 def test_altered_rows_are_noticed(rows, number, altered):
     wanted, column, how = altered

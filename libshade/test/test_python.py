@@ -92,6 +92,26 @@ def test_no_library(name, says, monkeypatch):
     assert name in str(failed.value)
 
 
+def test_which_library(tmp_path, monkeypatch):
+    """That of the same `make install`; else the tree's that was built last."""
+    here, build = tmp_path / "libshade/python/shade", tmp_path / "build"
+    here.mkdir(parents=True)
+    build.mkdir()
+    monkeypatch.delenv("LIBSHADE_LIBRARY", raising=False)
+    monkeypatch.setattr(_library, "HERE", here)
+    with pytest.raises(ImportError, match="run make"):
+        _library.found()
+    for seconds, name in ((3, "libshade.so.0.2.0"), (9, "libshade.so.0.3.0"), (6, "libshade.so.0.4.0")):
+        (build / name).touch()
+        os.utime(build / name, (seconds, seconds))
+    assert _library.found() == str(build / "libshade.so.0.3.0")
+    (here / "library.txt").write_text("../../../build/libshade.so.0.4.0\n")
+    assert os.path.realpath(_library.found()) == str(build / "libshade.so.0.4.0")
+    (build / "libshade.so.0.4.0").unlink()
+    with pytest.raises(ImportError, match="no such file"):
+        _library.found()
+
+
 def test_page_examples():
     """The examples of docs/library/python.md, in order, in one session."""
     page = (ROOT / "docs/library/python.md").read_text(encoding="utf-8")
