@@ -11,6 +11,8 @@
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all
 #   make compare-quick  a smaller report, in two minutes once all is built
 #   make manual    build/manual/html/index.html, from docs/
+#   make supported the tables of docs/blender/supported.md, from what the exporter reads
+#   make manual-pictures  the pictures of the manual: nodes, what their sockets do, the cookbook of POV-Ray
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall
 #   make abi       the interface of the library as a text, libshade/abi/libshade.abi, which a test compares it with
 #   make soak      all tests under sanitizers and as clang compiles them, a hundred million awkward cases, more of both renderers
@@ -63,6 +65,11 @@ endif
 
 pictures: compare
 	$(PY) setup/pictures.py
+
+# the tables of a page of the manual, which a test holds to what the exporter reads
+.PHONY: supported
+supported:
+	@$(PYTHON3) setup/supported.py
 
 # warnings are errors: a page that nothing leads to, a link that leads nowhere
 .PHONY: manual

@@ -3,6 +3,7 @@
 linked where a page uses them first."""
 import pathlib
 import re
+import runpy
 
 import pytest
 
@@ -124,3 +125,8 @@ def test_terms_are_linked_where_they_come_first(page):
             wrong.append(f"{term}: first as '{text[max(found.start() - 25, 0):found.end() + 15].strip()}'")
         text = re.sub(rf"(?<![\w⟦-]){word}(?![\w⟧-])", "·", text, flags=re.I)
     assert not wrong, "\n".join(wrong)
+
+
+def test_what_is_supported_is_as_the_exporter_says():
+    """`make supported` writes the page from the exporter's own tables, which also say what is not read at all."""
+    assert runpy.run_path(str(ROOT / "setup/supported.py"))["Page"]().text() == (DOCS / "blender/supported.md").read_text(encoding="utf-8")
