@@ -119,7 +119,7 @@ def passes_left_out(view_layer, messages):
     left_out = [name for key, name in _UNKNOWN.items() if getattr(view_layer, key, False)]
     left_out += [f"AOV '{one.name}', whose name another has" for one in getattr(view_layer, "aovs", ()) if not one.is_valid]
     cycles = getattr(view_layer, "cycles", None)
-    left_out += [f"Volume {part.capitalize()}" for part in ("direct", "indirect")
+    left_out += [f"Volume {part.capitalize()}" for part in ("direct", "indirect", "scatter", "transmit", "majorant")
                  if getattr(cycles, f"use_pass_volume_{part}", False)]
     if versions.MORE_TO_DENOISE and view_layer.libshade.denoising_store_passes:
         left_out += ["Denoising Specular Albedo", "Denoising Roughness"]
