@@ -9,7 +9,7 @@ from types import SimpleNamespace
 ROOT = Path(__file__).resolve().parent.parent
 EXPORT = ROOT / "blender_addon_c/export"
 PAGE = ROOT / "docs/blender/supported.md"
-_PASSED_ON = "It passes on its main input, or the socket keeps its own value; it is named."
+_PASSED_ON = "passed on"  # which the page explains
 _SHADERS = ("BSDF", "BSSRDF", "Emission", "Background", "Shader", "Holdout", "Volume")  # what their outputs are called
 _TERMS = {"AOV Output": "{term}`AOV` Output", "Bump": "{term}`Bump <bump>`", "Fresnel": "{term}`Fresnel`", "Holdout": "{term}`Holdout <holdout>`",
           "Normal Map": "{term}`Normal Map <normal map>`", "Diffuse BSDF": "Diffuse {term}`BSDF`"}
@@ -118,28 +118,23 @@ class Page:
         return (how or "same", note) if read else ("not", note or {"node": _PASSED_ON}.get(kind, "It is named."))
 
     def rows(self, kind, wanted=lambda row: True):
-        """(name, versions, how, note) of a kind; what is said alike of several stands in one row."""
-        alike = {}
+        """(name, versions, how, note) of a kind."""
+        found, others = [], {}
         for row in self.has:
             if row[0] == kind and wanted(row):
                 _kind, identifier, type_, name, versions = row[:5]
                 how, note = self._said(kind, identifier, type_)
-                key = name if kind == "node" and note != _PASSED_ON else None
-                alike.setdefault((key, since(versions.split(), self.every), how, note), []).append(name)
-        found = [(self._names(names, note), versions, how, note) for (_, versions, how, note), names in alike.items()]
-        found.sort(key=lambda row: (row[3] == _PASSED_ON, unlinked(row[0]).strip("`").lower()))
+                if note == _PASSED_ON:
+                    others.setdefault(since(versions.split(), self.every), []).append(name)
+                else:
+                    found.append((_TERMS.get(name, name), since(versions.split(), self.every), how, note))
+        found.sort(key=lambda row: unlinked(row[0]).lower())
+        found += [("others", versions, "not", f"`{', '.join(sorted(names, key=str.lower))}`") for versions, names in sorted(others.items())]
         for of, name, how, note in self.more:
             if of == kind:
                 name, _, versions = name.partition(" [")
                 found.append((name, versions.rstrip("]") or "all", how, note))
         return found
-
-    @staticmethod
-    def _names(names, note):
-        """A node's or several, which are no sentence."""
-        if len(names) > 1 or note == _PASSED_ON:
-            return f"`{', '.join(sorted(names, key=str.lower))}`"
-        return _TERMS.get(names[0], names[0])
 
     def table(self, title, rows):
         yield f"| {title} | Blender | As in Cycles | Note |"
@@ -148,22 +143,22 @@ class Page:
             yield "| " + " | ".join(row).rstrip() + " |"
 
     def sockets(self):
-        yield "| Node | Properties | Inputs | Outputs | Not read |"
-        yield "|---|---|---|---|---|"
+        yield "| Node | Properties | Inputs | Outputs |"
+        yield "|---|---|---|---|"
         for _kind, identifier, _type, name, versions, *sides in sorted((row for row in self.has if row[0] == "node"), key=lambda row: row[3].lower()):
             known = self.read.kinds.get(short(identifier))
             if not known:
                 continue
             properties, *read = known
-            cells, left = [self._code(properties)], {}
+            cells = [self._code(properties)]
             for side, names in zip(sides, read):
-                by = {}
+                by, left = {}, {}
                 for socket in side.split(", ") if side else ():
                     socket, _, when = socket.partition(" (")
                     when = when.rstrip(")").split() or versions.split()
                     (by if socket in names else left).setdefault(tuple(when), []).append(socket)
-                cells.append(self._by_version(by, versions.split()))
-            yield f"| {name} | " + " | ".join([*cells, self._by_version(left, versions.split())]).rstrip() + " |"
+                cells.append(self._by_version(by, versions.split()) + ("; not read: " + self._by_version(left, versions.split()) if left else ""))
+            yield f"| {name} | " + " | ".join(cells).rstrip() + " |"
 
     def _by_version(self, by, versions):
         """Sockets, those of all versions of the node first."""
