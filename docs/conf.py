@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The manual: `make manual` writes build/manual/html."""
 import re
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -11,10 +12,18 @@ copyright = author
 release = re.search(r'SHADE_VERSION "(.*)"', (ROOT / "libshade/include/shade/shade.h").read_text(encoding="utf-8"))[1]
 version = release
 
-extensions = ["myst_parser"]
+sys.dont_write_bytecode = True  # docs/ holds sources alone
+sys.path.insert(0, str(Path(__file__).parent))
+extensions = ["myst_parser", "hawkmoth", "c_comments"]
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 nitpicky = True
+nitpick_ignore = [("c:identifier", name) for name in ("size_t", "uint32_t", "uint64_t")]
+
+# the headers, which libclang reads with the C library's own as `cc` finds them
+hawkmoth_root = str(ROOT / "libshade/include/shade")
+hawkmoth_compiler = "cc"
+hawkmoth_clang = [f"-I{ROOT}/libshade/include"]
 
 html_theme = "furo"
 html_title = f"libshade {release}"

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * The directional albedo of a material: the integral of f cos over all wi, the share of even
- * white light that leaves towards wo. For ambient terms, and to know what energy is left for what
- * lies below or between.
+/**
+ * The directional albedo of a material: the integral of f cos over all wi.
  *
- * Threads. A table may be shared by any number of threads once it is made. Only _create allocates.
+ * It is the share of even white light that leaves towards wo. It serves for ambient terms, and to
+ * know what energy is left for what lies below or between.
+ *
+ * Threads. Any number of threads may share a table once it is made. Only shade_bsdf_albedo_create
+ * allocates.
  */
-#ifndef SHADE_ALBEDO_H
+#ifndef SHADE_ALBEDO_H /* read once */
 #define SHADE_ALBEDO_H
 
 #include "shade/shade.h"
@@ -15,51 +17,78 @@
 extern "C" {
 #endif
 
+/** A table of the albedo of one material. */
 typedef struct shade_bsdf_albedo shade_bsdf_albedo;
 
-/*
- * Work out a table over the elevation and azimuth of wo for n = z, where all detail methods and
- * horizons are one, by quadrature over half vectors and, for the diffuse part, over wi. It takes
- * 7 KiB, and 0.7 ms for a round lobe, 6 ms for another and 3 more with a diffuse part that depends
- * on wo (one core at 2.6 GHz, AVX-512); a look-up 60 ns. Parameters as for shade_bsdf_setup, whose
- * status *status gets (NULL is fine). NULL when out of memory.
+/**
+ * Make a table over the elevation and azimuth of wo, for n = z.
+ *
+ * There all detail methods and horizons are one. It comes from quadrature over half vectors and,
+ * for the diffuse part, over wi. It takes 7 KiB, and some milliseconds to make.
+ *
+ * Threads: the call allocates, and reads the environment as shade_bsdf_setup does.
+ *
+ * @param p       parameters, as for shade_bsdf_setup
+ * @param status  NULL, or out: the status that shade_bsdf_setup has for them
+ * @return the table, to be freed with shade_bsdf_albedo_free; NULL when out of memory
  */
 SHADE_API shade_bsdf_albedo *shade_bsdf_albedo_create(const shade_params *p, unsigned *status);
-SHADE_API void shade_bsdf_albedo_free(shade_bsdf_albedo *a); /* NULL is fine */
 
-/*
- * RGB of the specular and the diffuse part for wo, the eye's direction in the local frame, of
- * any length; their sum is the albedo. Either may be NULL. With n (or NULL: z), a perturbed normal,
- * wo is carried to the frame that `rotate` makes of it: the albedo of a bump that stands alone,
- * which the surface's own horizon lowers. 0 where wo is below n's or the surface's horizon; below
- * 0.0004 of n.wo it is what is there.
+/**
+ * Free a table.
  *
- * Against the integral by the reference, as a test measures it for alphas from 0.05 and n.wo from
- * 0.05, every distribution, BRDF and Fresnel, reflectances up to 1: specular within 0.02, where the
- * albedo is below 1.2; within 15 % where it is above, as it is for BRDFs with a distribution that
- * is not theirs (GGX with ward_bounded reaches 36). Diffuse within 0.005, every model.
+ * Threads: no thread may use the table any more.
  *
- * Returns SHADE_BAD_INPUT, and 0, where an argument is not finite or has no direction;
- * SHADE_CLAMPED_NORMAL where n points down, and is lifted as shade_bsdf_eval does it.
+ * @param a  the table, or NULL
+ */
+SHADE_API void shade_bsdf_albedo_free(shade_bsdf_albedo *a);
+
+/**
+ * The albedo of the specular and of the diffuse part towards the eye. Their sum is that of all.
+ *
+ * A perturbed normal n carries wo to the frame that `rotate` makes of n. This is the albedo of a
+ * bump that stands alone, which the surface's own horizon lowers. It is 0 where wo is below the
+ * horizon of n or of the surface. Below 0.0004 of n.wo it is what is there.
+ *
+ * docs/results/library.md says how far it is from the integral. It is least exact for BRDFs with a
+ * distribution that is not theirs, whose albedo exceeds 1.
+ *
+ * @param a         the table
+ * @param n         perturbed normal, unit, local frame; NULL: z
+ * @param wo        to the eye, local frame, of any length
+ * @param specular  out, or NULL: RGB
+ * @param diffuse   out, or NULL: RGB
+ * @return status bits; SHADE_BAD_INPUT, and 0, where an argument is not finite or has no direction;
+ *         SHADE_CLAMPED_NORMAL where n points down, and is lifted as shade_bsdf_eval does it
  */
 SHADE_API unsigned shade_bsdf_albedo_eval(const shade_bsdf_albedo *a, const double n[3],
                                           const double wo[3], double specular[3],
                                           double diffuse[3]);
 
-/* Lanes of the same, `count` floats each. */
+/** Inputs of shade_bsdf_albedo_batchf, one array per component. */
 typedef struct shade_albedo_lanesf {
   size_t size; /* sizeof(shade_albedo_lanesf) */
   const float *wox, *woy, *woz;
   const float *nx, *ny, *nz; /* all three, or NULL for z */
 } shade_albedo_lanesf;
+
+/** Outputs of shade_bsdf_albedo_batchf, one array per component. */
 typedef struct shade_albedo_resultf {
   size_t size;                                 /* sizeof(shade_albedo_resultf) */
   float *specular_r, *specular_g, *specular_b; /* all three, or NULL */
   float *diffuse_r, *diffuse_g, *diffuse_b;    /* likewise */
 } shade_albedo_resultf;
 
-/* shade_bsdf_albedo_eval over arrays. Returns the or of all status bits; SHADE_BAD_INPUT, and
- * writes nothing, where a required array is missing, or a structure's size. */
+/**
+ * shade_bsdf_albedo_eval over arrays of float.
+ *
+ * @param a      the table
+ * @param count  number of lanes
+ * @param in     directions
+ * @param out    albedos
+ * @return the or of all status bits; SHADE_BAD_INPUT, and nothing written, where a required array
+ *         or the size of a structure is missing
+ */
 SHADE_API unsigned shade_bsdf_albedo_batchf(const shade_bsdf_albedo *a, size_t count,
                                             const shade_albedo_lanesf *in,
                                             const shade_albedo_resultf *out);

@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * Cloths and metals by name, as a draper or a machinist would ask for them. Each is a set
- * of plain numbers that may be changed before use, with the sources they come from; what no
- * source gives, such as a dye, was chosen by eye and is said to be.
+/**
+ * Cloths and metals by name, as a draper or a machinist would ask for them.
+ *
+ * Each is a set of plain numbers that may be changed before use, with the sources they come from.
+ * What no source gives, such as a dye, was chosen by eye and is said to be.
+ *
+ * Threads. Every function here is reentrant and free of global state. Only shade_preset_fabric
+ * allocates.
  */
-#ifndef SHADE_PRESETS_H
+#ifndef SHADE_PRESETS_H /* read once */
 #define SHADE_PRESETS_H
 
 #include "shade/fabric.h"
@@ -14,8 +18,10 @@
 extern "C" {
 #endif
 
+/** What a preset is. */
 typedef enum shade_preset_kind { SHADE_PRESET_FABRIC, SHADE_PRESET_METAL } shade_preset_kind;
 
+/** A cloth or a metal, with its sources. */
 typedef struct shade_preset {
   shade_preset_kind kind;
   const char *word, *label;
@@ -37,19 +43,34 @@ typedef struct shade_preset {
   int turned; /* 1: strokes in circles about the middle of the part; 0: along the tangent */
 } shade_preset;
 
-/*
- * Row 0, 1, … of the table; returns 1 and fills *preset, 0 past the end. Words
- * stay; rows may come between. shade_preset_find takes the word (- and _ alike, without regard to
- * case) and returns 0, changing nothing, for one that is not in the table; its preset may be NULL.
+/**
+ * A row of the table of presets. Words stay; rows may come between.
+ *
+ * @param row     0, 1, ...
+ * @param preset  out: the preset
+ * @return 1, or 0 past the end
  */
 SHADE_API int shade_preset_row(int row, shade_preset *preset);
+
+/**
+ * A preset by its name.
+ *
+ * @param word    the name, read with - and _ alike and without regard to case
+ * @param preset  out, or NULL: the preset
+ * @return 1; or 0, and nothing changes, for a word that is not in the table
+ */
 SHADE_API int shade_preset_find(const char *word, shade_preset *preset);
 
-/*
- * The fabric of a preset (kind SHADE_PRESET_FABRIC), ready for shade_fabric_eval, and, unless
- * `weave` is NULL, its weave in *weave: free the fabric with shade_fabric_free, the weave with
- * shade_weave_free. Status bits are or-ed into *status unless it is NULL. NULL, and *weave
- * NULL, for a metal, no preset, an unknown weave or out of memory.
+/**
+ * The fabric of a preset, ready for shade_fabric_eval.
+ *
+ * Threads: the call allocates, and reads the environment as shade_bsdf_setup does.
+ *
+ * @param preset  a preset of the kind SHADE_PRESET_FABRIC
+ * @param weave   NULL, or out: its weave, to be freed with shade_weave_free
+ * @param status  NULL, or where status bits are or-ed into
+ * @return the fabric, to be freed with shade_fabric_free; NULL, and *weave NULL, for a metal, no
+ *         preset, an unknown weave or when out of memory
  */
 SHADE_API shade_fabric *shade_preset_fabric(const shade_preset *preset, shade_weave **weave,
                                             unsigned *status);
