@@ -42,8 +42,24 @@ abi: $(B)/$(SHADE_SHARED)
 	  --type-id-style hash $< | sed '1a <!-- SPDX-License''-Identifier: Apache-2.0 -->' >$(ABI)
 
 INSTALLED_HEADERS := $(wildcard $(L)/include/shade/*.h)
-INSTALLED_MAN1 := $(wildcard $(L)/man/*.1)
-INSTALLED_MAN3 := $(wildcard $(L)/man/*.3)
+
+# The manual pages, of the comments of the headers and of what --help prints. awk is in any system that has make, so that a C
+# compiler is enough. A tool made for another machine does not run here: its page says so.
+SHADE_COMMANDS := eval check bench scratch slopes weave presets fabric swatch
+SHADE_HELP := $(SHADE_COMMANDS:%=$(B)/help/%.txt)
+$(SHADE_HELP): $(B)/help/%.txt: $(B)/shade
+	@mkdir -p $(@D)
+	$(Q)$< $* --help >$@ 2>/dev/null || echo "shade $* --help" >$@
+HEADERS_IN_ORDER := $(patsubst %,$(L)/include/shade/%.h,table shade fabric presets maps weave albedo mesh)
+MAN3 := $(B)/man/libshade.3
+MAN1 := $(B)/man/shade.1
+man_page = $(Q)mkdir -p $(@D) && { sed '/^@$(1)@/,$$d' $< && $(2) && sed '1,/^@$(1)@/d' $<; } | sed 's/@VERSION@/$(SHADE_VERSION)/' >$@
+$(MAN3): $(L)/man/libshade.3.in $(L)/man/headers.awk $(INSTALLED_HEADERS)
+	$(call say,manual   ,$@)
+	$(call man_page,FUNCTIONS,awk -f $(L)/man/headers.awk $(HEADERS_IN_ORDER))
+$(MAN1): $(L)/man/shade.1.in $(L)/man/help.awk $(SHADE_HELP)
+	$(call say,manual   ,$@)
+	$(call man_page,COMMANDS,awk -f $(L)/man/help.awk $(SHADE_HELP))
 # the tool looks for it in ../libexec/shade from where it is itself
 INSTALLED_MODULE = $(OIIO_MODULE:$(B)/%=$(LIBEXECDIR)/shade/%)
 PYTHON_MODULE := $(wildcard $(L)/python/shade/*.py) $(L)/python/shade/py.typed
@@ -55,7 +71,7 @@ RENDER_TOOL = $(wildcard $(B)/shade-render)
 INSTALLED_FILES = $(BINDIR)/shade $(BINDIR)/shade-render $(INSTALLED_MODULE) $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
   $(LIBDIR)/$(SHADE_SONAME) $(LIBDIR)/libshade.so $(PKGCONFIGDIR)/libshade.pc $(CMAKE_PACKAGE:%=$(CMAKEDIR)/%) \
   $(INSTALLED_HEADERS:$(L)/include/%=$(INCLUDEDIR)/%) \
-  $(INSTALLED_MAN1:$(L)/man/%=$(MANDIR)/man1/%) $(INSTALLED_MAN3:$(L)/man/%=$(MANDIR)/man3/%) \
+  $(MAN1:$(B)/man/%=$(MANDIR)/man1/%) $(MAN3:$(B)/man/%=$(MANDIR)/man3/%) \
   $(INSTALLED_PYTHON)
 
 CMAKE_PACKAGE := libshadeConfig.cmake libshadeConfigVersion.cmake
@@ -78,7 +94,7 @@ endef
 export SHADE_PC
 
 .PHONY: install uninstall
-install: all
+install: all $(MAN1) $(MAN3)
 	$(INSTALL) -d $(addprefix $(DESTDIR),$(BINDIR) $(LIBDIR) $(PKGCONFIGDIR) $(CMAKEDIR) $(INCLUDEDIR)/shade \
 	  $(MANDIR)/man1 $(MANDIR)/man3 $(PYTHONDIR)/shade)
 	$(INSTALL) -m 755 $(B)/shade $(RENDER_TOOL) $(DESTDIR)$(BINDIR)
@@ -88,8 +104,8 @@ install: all
 	ln -sf $(SHADE_SHARED) $(DESTDIR)$(LIBDIR)/$(SHADE_SONAME)
 	ln -sf $(SHADE_SONAME) $(DESTDIR)$(LIBDIR)/libshade.so
 	$(INSTALL) -m 644 $(INSTALLED_HEADERS) $(DESTDIR)$(INCLUDEDIR)/shade
-	$(INSTALL) -m 644 $(INSTALLED_MAN1) $(DESTDIR)$(MANDIR)/man1
-	$(INSTALL) -m 644 $(INSTALLED_MAN3) $(DESTDIR)$(MANDIR)/man3
+	$(INSTALL) -m 644 $(MAN1) $(DESTDIR)$(MANDIR)/man1
+	$(INSTALL) -m 644 $(MAN3) $(DESTDIR)$(MANDIR)/man3
 	$(INSTALL) -m 644 $(PYTHON_MODULE) $(DESTDIR)$(PYTHONDIR)/shade
 	@echo $(call seen_from,$(PYTHONDIR)/shade,$(LIBDIR)/$(SHADE_SHARED)) \
 	  >$(DESTDIR)$(PYTHONDIR)/shade/$(PYTHON_PLACE) && chmod 644 $(DESTDIR)$(PYTHONDIR)/shade/$(PYTHON_PLACE)

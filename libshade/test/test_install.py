@@ -15,7 +15,7 @@ COST = 6
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))
 MODULE = sorted(path for path in (ROOT / "libshade/python/shade").iterdir() if path.is_file())
-PAGES = sorted((ROOT / "libshade/man").iterdir())
+PAGES = ("libshade.3", "shade.1")
 # a make of its own, not a part of the one that may have started this
 ENVIRONMENT = {key: value for key, value in os.environ.items()
                if key not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "PREFIX", "DESTDIR")}
@@ -45,7 +45,7 @@ def expected(lib, man="share/man"):
             | {f"include/shade/{header.name}" for header in HEADERS}
             | {f"lib/python3/dist-packages/shade/{name}"
                for name in ("library.txt", *(path.name for path in MODULE))}
-            | {f"{man}/man{page.suffix[1:]}/{page.name}" for page in PAGES})
+            | {f"{man}/man{page[-1]}/{page}" for page in PAGES})
 
 
 @pytest.fixture(scope="module")
@@ -314,28 +314,25 @@ def test_library_page_cloth(prefix, tmp_path):
     assert out[6] == pytest.approx(white, rel=.02)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_manual_pages(page):
+@pytest.mark.parametrize("page", PAGES)
+def test_manual_pages(prefix, page):
+    """They are well formed, and say of every function and of every option what the headers and the tool say."""
     assert shutil.which("groff"), "groff-base is in setup/packages-test.txt"
-    out = subprocess.run(["groff", "-ww", "-man", "-Tutf8", "-z", str(page)], capture_output=True,
-                         text=True)
+    path = prefix / f"share/man/man{page[-1]}/{page}"
+    out = subprocess.run(["groff", "-ww", "-man", "-Tutf8", "-z", str(path)], capture_output=True, text=True)
     assert out.returncode == 0 and not out.stderr, out.stderr
-    text = page.read_text()
-    assert f'"libshade {version()}"' in text
-    plain = text.replace("\\-", "-")
-    if page.name == "libshade.3":
-        named = set(re.findall(r"^\.BR? (shade_\w+)", plain, flags=re.M))
-        assert named <= declared(), f"no such functions: {named - declared()}"
-        assert len(named) > 20
-        headers = set(re.findall(r"<shade/(\w+\.h)>", plain))
-        assert "shade.h" in headers and headers <= {header.name for header in HEADERS}
+    text = path.read_text()
+    assert f'"libshade {version()}"' in text and "@" not in re.sub(r"@endcode|@code", "@", text)
+    plain = text.replace("\\-", "-").replace("\\e", "\\").replace("\n\\&", "\n")
+    if page == "libshade.3":
+        assert {name for name in declared() if re.search(rf"\b{name}\(", plain)} == declared()
+        described = set(re.findall(r"^\.SS (shade_\w+)", plain, flags=re.M))
+        assert {name for name in declared() if name not in described and name[:-1] not in described} == set()
+        assert set(re.findall(r"<shade/(\w+\.h)>", plain)) == {header.name for header in HEADERS} - {"table.h"}
+        assert "SHADE_BRDF_WARD_BOUNDED, SHADE_BRDF_MICROFACET, SHADE_BRDF_AUTO." in plain
     else:
         help_text = run(ROOT / "build/shade", "--help")
         commands = re.findall(r"^  (\w+)  ", help_text, flags=re.M)
-        described = re.findall(r"^\.SS shade (\w+)", plain, flags=re.M)
-        assert "eval" in described and set(described) == set(commands)
-        for command in described:
-            known = set(re.findall(r"--[a-z][\w-]*", run(ROOT / "build/shade", command, "--help")))
-            section = re.search(rf"^\.SS shade {command}\b(.*?)(?=^\.S[SH] )", plain, re.S | re.M)[1]
-            used = set(re.findall(r"--[a-z][\w-]*", section)) - {"--help"}
-            assert used <= known, f"shade {command}: {used - known}"
+        assert set(re.findall(r"^\.SS shade (\w+)", plain, flags=re.M)) == set(commands)
+        for command in commands:
+            assert run(ROOT / "build/shade", command, "--help").replace("…", "...") in plain, command
