@@ -71,10 +71,11 @@ pictures: compare
 supported:
 	@$(PYTHON3) setup/supported.py
 
-# warnings are errors: a page that nothing leads to, a link that leads nowhere
+# warnings are errors: a page that nothing leads to, a link that leads nowhere. It shows what --help prints, and asks the Python module
 .PHONY: manual
 manual: $(MANUAL)/index.html
-$(MANUAL)/index.html: $(VENV_MANUAL)/done $(shell find docs -type f) $(wildcard $(L)/include/shade/*.h examples/*.jpg examples/nodes/*.png)
+$(MANUAL)/index.html: $(VENV_MANUAL)/done $(shell find docs -type f) $(SHADE_HELP) $(B)/$(SHADE_SHARED) \
+  $(wildcard $(L)/python/shade/*.py $(L)/include/shade/*.h examples/*.jpg examples/nodes/*.png)
 	$(call say,manual   ,$@)
 	$(Q)rm -rf $(B)/manual
 	$(Q)$(VENV_MANUAL)/bin/sphinx-build -q -W --keep-going -b html -d $(B)/manual/doctrees docs $(@D)

@@ -14,7 +14,8 @@ version = release
 
 sys.dont_write_bytecode = True  # docs/ holds sources alone
 sys.path.insert(0, str(Path(__file__).parent))
-extensions = ["myst_parser", "hawkmoth", "c_comments"]
+sys.path.insert(1, str(ROOT / "libshade/python"))
+extensions = ["myst_parser", "hawkmoth", "c_comments", "sphinx.ext.autodoc"]
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 nitpicky = True
@@ -24,6 +25,10 @@ nitpick_ignore = [("c:identifier", name) for name in ("size_t", "uint32_t", "uin
 hawkmoth_root = str(ROOT / "libshade/include/shade")
 hawkmoth_compiler = "cc"
 hawkmoth_clang = [f"-I{ROOT}/libshade/include"]
+
+# the Python module, on the library in build/: docstrings say what types say
+autodoc_typehints = "none"
+default_role = "literal"
 
 html_theme = "furo"
 html_title = f"libshade {release}"

@@ -121,6 +121,19 @@ def test_page_examples():
     assert doctest.DocTestRunner().run(parsed).failed == 0
 
 
+def test_reference_examples():
+    """Those of the docstrings, which are the manual's reference; each public name is in it, and has one of its own or of its methods."""
+    page = (ROOT / "docs/library/python.md").read_text(encoding="utf-8")
+    shown = set(re.findall(r"^\.\. auto(?:function|class|data):: shade\.(\w+)(?:\(\))?$", page, re.M))
+    assert shown == set(shade.__all__)
+    without = []
+    for name in sorted(shown - {"library"}):
+        tests = doctest.DocTestFinder(recurse=True).find(inspect.unwrap(getattr(shade, name)), name, globs={"np": np, "shade": shade})
+        assert all(doctest.DocTestRunner().run(one).failed == 0 for one in tests), name
+        without += [] if any(one.examples for one in tests) else [name]
+    assert not without
+
+
 # ---- values against the reference -------------------------------------------------------------
 
 def tool(what, options, *columns):

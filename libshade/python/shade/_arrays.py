@@ -12,7 +12,13 @@ STATUS = {1: "clamped parameter", 2: "clamped normal", 4: "bad input", 8: "bad c
 
 
 class Status:
-    """Gathers what had to be mended: hand it to calls as `status=`, then look at its truth, `bits` or text."""
+    """Gathers what had to be mended. Hand it to calls as `status=`, then look at its truth, its `bits` or its text.
+
+    >>> said = shade.Status()
+    >>> peak = shade.D(shade.Material(), [0, 0, -1], [0, 0, 1], status=said)
+    >>> print(said, "clamped normal" in said)
+    clamped normal True
+    """
 
     __slots__ = ("bits",)
 

@@ -27,7 +27,13 @@ CHOICES = ("mdf", "brdf", "detail", "horizon")
 
 
 def presets() -> dict[str, PresetRow]:
-    """{name: PresetRow} of cloths (kind "fabric") and metals (kind "metal"). Lengths are per cm or in cm."""
+    """Cloths (kind "fabric") and metals (kind "metal") by name: {name: PresetRow}.
+
+    A PresetRow has kind, label, help, source, color_source, weave, ends_per_cm, picks_per_cm, scratch_cm (in cm) and turned.
+
+    >>> shade.presets()["denim"].kind
+    'fabric'
+    """
     return {text(row.word): PresetRow(
         "metal" if row.kind else "fabric", text(row.label), text(row.help), text(row.source), text(row.color_source),
         text(row.weave), row.ends_per_cm, row.picks_per_cm, row.scratch_cm, bool(row.turned))
@@ -36,7 +42,11 @@ def presets() -> dict[str, PresetRow]:
 
 @functools.lru_cache(None)
 def weaves() -> dict[str, str]:
-    """{name: label} of the weaves that `fabric(weave=…)` takes."""
+    """The weaves that `fabric(weave=…)` takes: {name: label}.
+
+    >>> shade.weaves()["satin_5"]
+    'Satin of 5'
+    """
     listed, word, label = {}, ctypes.c_char_p(), ctypes.c_char_p()
     while LIB.shade_weave_row(len(listed), ctypes.byref(word), ctypes.byref(label), None):
         listed[text(word.value)] = text(label.value)
@@ -113,13 +123,25 @@ def _set_yarn(name, shape, yarn, values):
 def fabric(preset: str | None = None, *, weave: str | None = None, pattern: ArrayLike | None = None,
            draft: ArrayLike | None = None, wif: str | os.PathLike[str] | None = None, warp: dict[str, Any] | None = None,
            weft: dict[str, Any] | None = None, defaults: int | None = None, **values: Any) -> "Fabric":
-    """A cloth: a preset (`shade.presets()`), changed by what else is given, or plain weave of the defaults.
+    """A cloth: a preset, changed by what else is given, or plain weave of the defaults.
 
-    One of `weave` (a name), `pattern` (n_w, n_p, n_s), `draft` (an array of picks × ends, not 0 where the warp is
-    up) and `wif` (a file's path) says what lies over what. `warp`, `weft`: dictionaries of yarns' numbers
-    (`width`, `gap`, `curve`, … of weave.h; `along`, `across`, `f0`, `kd`, `diffuse` of fabric.h). `values`: mdf,
-    brdf, detail, horizon, occlusion, seed, draft_colors, shadows, backing, nap, nap_color, warp_transmit,
-    weft_transmit. `defaults`: as `shade.Material` has it.
+    One of `weave`, `pattern`, `draft` and `wif` says what lies over what.
+
+    :param preset: a cloth of `shade.presets()`
+    :param weave: a name of `shade.weaves()`
+    :param pattern: (n_w, n_p, n_s): ends under the weft, ends over it, and the shift from pick to pick
+    :param draft: an array of picks × ends, not 0 where the warp is up
+    :param wif: the path of a Weaving Information File
+    :param warp: numbers of the warp yarns by name: `width`, `gap`, `curve`, … of weave.h; `along`, `across`, `f0`, `kd` and `diffuse`
+        of fabric.h
+    :param weft: the same of the weft yarns
+    :param defaults: the version of the defaults, as `shade.Material` has it
+    :param values: mdf, brdf, detail, horizon, occlusion, seed, draft_colors, shadows, backing, nap, nap_color, warp_transmit,
+        weft_transmit
+    :raises ValueError: for a number out of its range, an unknown word or a draft that is none
+    :raises TypeError: for an unknown name
+
+    >>> twill = shade.fabric(weave="twill_3_1", warp={"kd": (.02, .05, .2)}, nap=.1)
     """
     found = Preset()
     if preset is None:
@@ -158,7 +180,7 @@ def _free(cloth, weave):
 
 
 class Fabric(Fixed):
-    """A cloth ready to be evaluated; `shade.fabric` makes it."""
+    """A cloth ready to be evaluated. `shade.fabric` makes it. Any number of threads may share one."""
 
     CHANGED = "shade.fabric(…, {}) makes another"
 
@@ -196,37 +218,70 @@ class Fabric(Fixed):
 
     def eval(self, uv: ArrayLike, wi: ArrayLike, wo: ArrayLike, *, footprint: ArrayLike | None = None,
              n: ArrayLike | None = None, tier: str = "auto", status: Status | None = None, **varied: ArrayLike) -> Floats:
-        """s, what is seen for unit irradiance from wi, f · cos, RGB, in 1/sr: an array (…, 3).
+        """What is seen for unit irradiance from wi: s = f · cos.
 
-        uv (…, 2): where, in crossings; footprint: extent of the pixel along u and v, (…, 2) or one number; n
-        (…, 3): the cloth's own perturbed normal; tier: auto, near, far or single. `varied`, of each sample: warp_kd,
-        weft_kd (…, 3), warp_gloss, weft_gloss, nap, random (…).
+        :param uv: where, in crossings (…, 2)
+        :param wi: to the light (…, 3), unit
+        :param wo: to the eye (…, 3), unit
+        :param footprint: extent of the pixel along u and v, in crossings, (…, 2) or one number; None: the point
+        :param n: the cloth's own perturbed normal (…, 3), unit; None: z
+        :param tier: auto, near, far or single
+        :param status: a Status that gathers what had to be mended
+        :param varied: of each sample, in place of the cloth's: warp_kd, weft_kd (…, 3), warp_gloss, weft_gloss, nap, random (…)
+        :returns: RGB in 1/sr, an array (…, 3)
+
+        >>> shade.fabric("denim").eval([.25, .5], [.6, 0, .8], [0, 0, 1], footprint=[[1, 1], [50, 50]]).shape
+        (2, 3)
         """
         return self._call("shade_fabric_eval_batch", uv, wi, wo, None, footprint, n, tier, varied, status,
                           s="r g b")["s"]
 
     def coverage(self, uv: ArrayLike, wo: ArrayLike, *, footprint: ArrayLike | None = None,
                  n: ArrayLike | None = None, tier: str = "auto", status: Status | None = None, **varied: ArrayLike) -> Floats:
-        """The share of the eye's ray that meets yarn, fibres or backing: an array (…)."""
+        """The share of the eye's ray that meets yarn, fibres or backing: an array (…).
+
+        The parameters are those of `eval`.
+
+        >>> float(shade.fabric("denim").coverage([.25, .5], [0, 0, 1]))
+        1.0
+        """
         return self._call("shade_fabric_eval_batch", uv, wo, wo, None, footprint, n, tier, varied, status,
                           s="r g b", coverage="coverage")["coverage"][()]
 
     def pdf(self, uv: ArrayLike, wi: ArrayLike, wo: ArrayLike, *, footprint: ArrayLike | None = None,
             n: ArrayLike | None = None, tier: str = "auto", status: Status | None = None, **varied: ArrayLike) -> Floats:
-        """The density, in 1/sr, with which `sample` draws wi: an array (…)."""
+        """The density with which `sample` draws wi: an array (…), in 1/sr.
+
+        The parameters are those of `eval`.
+
+        >>> bool(shade.fabric("denim").pdf([.25, .5], [.6, 0, .8], [0, 0, 1]) > 0)
+        True
+        """
         return self._call("shade_fabric_pdf_batch", uv, wi, wo, None, footprint, n, tier, varied, status,
                           pdf="pdf")["pdf"][()]
 
     def sample(self, uv: ArrayLike, wo: ArrayLike, u: ArrayLike, *, footprint: ArrayLike | None = None,
                n: ArrayLike | None = None, tier: str = "auto", status: Status | None = None, **varied: ArrayLike) -> DrawnLight:
-        """Draw wi for wo from u (…, 3), uniform in [0, 1). Returns (wi, s, pdf); all 0 where no direction was
-        found. s / pdf over u is the albedo."""
+        """Draw directions to the light. s / pdf, averaged over u, is the albedo.
+
+        All results are 0 where a draw found no direction. The other parameters are those of `eval`.
+
+        :param u: three numbers for each draw (…, 3), uniform in [0, 1)
+        :returns: (wi, s, pdf): (…, 3), RGB in 1/sr (…, 3), and in 1/sr (…)
+
+        >>> shade.fabric("denim").sample([.25, .5], [0, 0, 1], [[.1, .2, .3], [.9, .4, .6]]).wi.shape
+        (2, 3)
+        """
         made = self._call("shade_fabric_sample_batch", uv, None, wo, u, footprint, n, tier, varied, status,
                           wi="wix wiy wiz", s="r g b", pdf="pdf")
         return DrawnLight(made["wi"], made["s"], made["pdf"][()])
 
     def albedo(self, wo: ArrayLike) -> Floats:
-        """RGB of the share of even light that the far model sends towards wo (…, 3); some milliseconds each."""
+        """The share of even light that the far model sends towards wo (…, 3): RGB, an array (…, 3). Each takes some milliseconds.
+
+        >>> bool((shade.fabric("denim").albedo([0, 0, 1]) < 1).all())
+        True
+        """
         call = Call().add("wo", np.asarray(wo, np.float64), "x", "y", "z").prepare()
         out = np.zeros((call.count, 3))
         for row, direction in zip(out, np.stack(list(call.columns().values()), -1)):
@@ -234,8 +289,13 @@ class Fabric(Fixed):
         return out.reshape(*call.shape, 3)
 
     def look_up(self, uv: ArrayLike, *, status: Status | None = None) -> dict[str, Any]:
-        """What lies at uv (…, 2): a dictionary of arrays (…), weave.h's shade_crossing; `top` is 0 weft, 1 warp,
-        2 gap."""
+        """What lies at uv (…, 2): a dictionary of arrays (…), as shade_crossing of weave.h has it.
+
+        `top` is 0 for the weft, 1 for the warp, and 2 for a gap.
+
+        >>> shade.fabric(pattern=(1, 2, 1)).look_up([[.5, .5], [1.5, .5]])["top"].tolist()
+        [0, 1]
+        """
         call = Call().add("uv", uv, "u", "v").prepare()
         made = call.columns()
         whole = ("top", "swap", "below", "yarn")
@@ -248,7 +308,11 @@ class Fabric(Fixed):
         return {name: array.reshape(call.shape)[()] for name, array in out.items()}
 
     def info(self) -> Info:
-        """How the far model sees the cloth: lobes, shares, and the exponents of tier single."""
+        """How the far model sees the cloth: lobes, shares, and the exponents of the tier single.
+
+        >>> shade.fabric("denim").info().warp_lobes > 1
+        True
+        """
         info = structs.FabricInfo()
         LIB.shade_fabric_get_info(self._fabric, ctypes.byref(info))
         values: list[Any] = [tuple(v) if hasattr(v, "__len__") else v

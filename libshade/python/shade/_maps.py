@@ -39,9 +39,20 @@ def _one_by_one(call, look_up, status):
 
 
 class SlopeMap(Fixed):
-    """A normal map with its pyramid of slopes. pixels: (height, width, channels), row 0 the top; `normals`:
-    colour, signed or slope; `wrap`: repeat, clamp or mirror; `directx`: green points down; strength: [0, 100].
-    Colours are 0 to 1, or of a type of whole numbers without sign, of which the largest counts as 1."""
+    """A normal map with its pyramid of slopes.
+
+    :param pixels: (height, width, channels), row 0 the top; colours are 0 to 1, or of a type of whole numbers without sign, of which
+        the largest counts as 1
+    :param normals: colour, signed or slope
+    :param wrap: repeat, clamp or mirror
+    :param directx: True where green points down
+    :param strength: of the bumps, [0, 100]
+    :param status: a Status that gathers what had to be mended
+
+    >>> flat = shade.SlopeMap(np.full((4, 4, 3), (128, 128, 255), np.uint8))
+    >>> flat.look_up([.5, .5], [.1, 0, 0, .1]).normal.round(2).tolist()
+    [0.0, 0.0, 1.0]
+    """
 
     CHANGED = "shade.SlopeMap(…, {}) makes another"
 
@@ -76,16 +87,30 @@ class SlopeMap(Fixed):
         return np.ascontiguousarray(pixels, np.float32)
 
     def look_up(self, uv: ArrayLike, footprint: ArrayLike | None = None, *, status: Status | None = None) -> Seen:
-        """Mean normal (…, 3) and covariance of the slopes (…, 3: xx, xy, yy) over the footprint (…, 4: the sides
-        du1, dv1, du2, dv2 of a parallelogram in uv) about uv (…, 2); microseconds each."""
+        """The slopes over a footprint. Each takes some microseconds.
+
+        :param uv: where (…, 2), in pictures
+        :param footprint: the sides du1, dv1, du2, dv2 of a parallelogram in uv (…, 4); None: the point
+        :param status: a Status that gathers what had to be mended
+        :returns: (normal, covariance): the mean normal (…, 3), and xx, xy, yy of the slopes (…, 3)
+        """
         return _one_by_one(_places(uv, footprint).prepare(),
                            lambda *rest: LIB.shade_slope_lookup(self._map, *rest), status)
 
 
 class Scratches(Fixed):
-    """A field of scratches on a tile that repeats. `layers`: dictionaries, at most 8, of pits (how many), radius,
-    stretch, depth (a number or the two ends of a range), direction, spread (radians): maps.h. `cells`: of the
-    table that answers footprints; 0: none."""
+    """A field of scratches on a tile that repeats. Lengths are in tile widths.
+
+    :param layers: at most 8 dictionaries of pits (how many), radius, stretch, depth (a number or the two ends of a range), direction
+        and spread (radians), as maps.h has them
+    :param seed: another seed makes other scratches of the same kind
+    :param aspect: height of the tile over its width, [1e-3, 1e3]
+    :param cells: of the table that answers footprints, [0, 4096]; 0: none
+
+    >>> field = shade.Scratches({"pits": 300, "radius": (.01, .02), "depth": .1}, cells=64)
+    >>> field.look_up([.5, .5], [1, 0, 0, 1]).covariance.shape
+    (3,)
+    """
 
     CHANGED = "shade.Scratches(…, {}) makes another"
 
@@ -126,13 +151,23 @@ class Scratches(Fixed):
                                 + ", ".join([*self.SINGLE, *self.RANGES]))
 
     def look_up(self, uv: ArrayLike, footprint: ArrayLike | None = None, *, status: Status | None = None) -> Seen:
-        """Mean normal and covariance, as of a SlopeMap; microseconds each."""
+        """The slopes over a footprint: mean normal and covariance, as of a SlopeMap."""
         return _one_by_one(
             _places(uv, footprint).prepare(),
             lambda u, v, sides, out: LIB.shade_scratch_eval(self._field, u, v, sides, None, out), status)
 
     def picture(self, width: int, height: int, *, samples: int = 1) -> tuple[Floats, Floats]:
-        """(heights (height, width), in tile widths; unit normals (height, width, 3)), float32, row 0 the top."""
+        """A picture of the field, float32, row 0 the top.
+
+        :param width: texels of a row
+        :param height: rows
+        :param samples: points along each side of a texel, of which it is the mean
+        :returns: heights (height, width) in tile widths, and unit normals (height, width, 3)
+
+        >>> heights, normals = shade.Scratches(cells=0).picture(32, 16)
+        >>> heights.shape, normals.shape
+        ((16, 32), (16, 32, 3))
+        """
         if min(width, height, samples) < 1:
             raise ValueError(f"picture: {width} x {height}, {samples} samples given; expected 1 or more of each")
         depth, normal = np.zeros((height, width), np.float32), np.zeros((height, width, 3), np.float32)
@@ -143,10 +178,19 @@ class Scratches(Fixed):
 
 def split(material: Material, n: ArrayLike | None, covariance: ArrayLike, most: int = 1, *,
           status: Status | None = None) -> Split:
-    """The lobes that stand for a material's over slopes of that mean normal n (…, 3; None: z) and covariance (…, 3):
-    one of the given, `most` (1 to 8) of equal shape. Returns (x, y, angle, n, weight): the exponents or alphas along
-    and across (…); by how much their axes are turned from the tangent, radians (…); normals (…, most, 3), not
-    turned; weights (…, most), 0 where fewer do."""
+    """The lobes that stand for a material's over slopes of a mean normal and a covariance.
+
+    :param n: mean normal (…, 3); None: z
+    :param covariance: xx, xy, yy of the slopes (…, 3)
+    :param most: lobes at most, 1 to 8, of equal shape
+    :param status: a Status that gathers what had to be mended
+    :returns: (x, y, angle, n, weight): exponents or alphas along and across (…); radians by which their axes are turned from the
+        tangent (…); normals (…, most, 3), not turned; weights (…, most), 0 where fewer lobes do
+
+    >>> lobes = shade.split(shade.Material(ex=200, ey=10), None, [.01, 0, .01], 4)
+    >>> bool(lobes.x < 200), lobes.n.shape
+    (True, (4, 3))
+    """
     most = int(numbers("most", most, 1, 1, LOBES)[0])
     call = Call().add("n", UP if n is None else n, "nx", "ny", "nz").add("covariance", covariance, "xx", "xy", "yy")
     call.prepare().dtype = np.dtype(np.float64)

@@ -25,7 +25,11 @@ PARTS = {"both": (0,), "specular": (1,), "diffuse": (2,)}
 
 @functools.lru_cache(None)
 def lists() -> dict[str, str]:
-    """{name of a choice list: its default}: "mdf", "brdf", "detail", …"""
+    """The lists of choices of a material, each with its default: {name: word}.
+
+    >>> shade.lists()["detail"]
+    'rotate'
+    """
     listed, about = {}, structs.ListInfo()
     while LIB.shade_list_about(len(listed), ctypes.byref(about)):
         listed[text(about.word)] = text(LIB.shade_list_word(len(listed), about.initial))
@@ -34,15 +38,27 @@ def lists() -> dict[str, str]:
 
 @functools.lru_cache(None)
 def choices(name: str) -> dict[str, Choice]:
-    """{word: Choice(value, label, help)} of a choice list."""
+    """The choices of a list: {word: Choice(value, label, help)}.
+
+    :param name: the list, of `shade.lists()`
+
+    >>> shade.choices("fresnel")["conductor"].help
+    "Exact, from a metal's complex index of refraction"
+    """
     number = one_of("list", name, {word: (k,) for k, word in enumerate(lists())})
     return {word: Choice(*row) for word, row in words(LIB.shade_list_row, number).items()}
 
 
 @functools.lru_cache(None)
 def parameters() -> dict[str, Parameter]:
-    """{name: Parameter} of a material's numbers, in the table's order. `list` and `choices` say which choices
-    read it (None: all do)."""
+    """The numbers of a material, in the table's order: {name: Parameter}.
+
+    A Parameter has word, unit, help, components, minimum, maximum and initial. Its `list` and `choices` say which choices read it.
+    None means that all do.
+
+    >>> shade.parameters()["ax"].maximum
+    10.0
+    """
     names, listed = list(lists()), {}
     for info in rows(LIB.shade_param_row, structs.ParamInfo):
         of = names[info.list] if info.list < len(names) else None
@@ -53,7 +69,11 @@ def parameters() -> dict[str, Parameter]:
 
 
 def metals() -> dict[str, MetalRow]:
-    """{word: (label, eta, k)} of the measured metals, eta and k at red, green and blue."""
+    """The measured metals: {word: (label, eta, k)}, with eta and k at red, green and blue.
+
+    >>> shade.metals()["gold"].label
+    'Gold'
+    """
     return {text(row.word): MetalRow(text(row.label), tuple(row.eta), tuple(row.k))
             for row in rows(LIB.shade_metal_row, structs.Metal)}
 
@@ -87,14 +107,24 @@ def default_of(name, defaults):
 
 
 class Material(Fixed):
-    """A metal or another surface, ready to be evaluated. Choices and numbers by the names of the table
-    (`shade.lists()`, `shade.parameters()`): `Material(mdf="ggx", ax=.1, ay=.4, f0=(.9, .7, .3))`.
+    """A metal or another surface, ready to be evaluated.
 
-    An exponent sets the alpha of its axis and the other way round: give one of them. `preset` (a metal of `shade.presets()`) and
-    `metal` (of `shade.metals()`) are taken first, then `roughness=(convention, roughness, anisotropy)` as another
-    program states it, then the rest. `defaults` is the version of the defaults, 0 those of libshade 0.2 (brdf
-    ashikhmin_shirley, not auto); without it the newest. `fast` is a word of older versions, read no more. Values are read as
-    attributes and never change: `replace` makes another material.
+    It takes choices and numbers by the names of the table, which `shade.lists()` and `shade.parameters()` hold. `preset` and `metal`
+    are taken first, then `roughness`, then the rest. An exponent sets the alpha of its axis and the other way round: give one of
+    them. Values are read as attributes and never change. `replace` makes another material. Any number of threads may share one.
+
+    :param preset: a metal of `shade.presets()`
+    :param metal: a word of `shade.metals()`
+    :param roughness: (convention, roughness, anisotropy), as another program states it: roughness in [0, 1], anisotropy in [-1, 1]
+    :param defaults: the version of the defaults, 0 for those of libshade 0.2 (brdf ashikhmin_shirley, not auto); without it the newest
+    :param fast: a word of older versions, read no more
+    :param values: choices as words, numbers within their range, colours as one number or three
+    :raises ValueError: for a number out of its range or an unknown word
+    :raises TypeError: for an unknown name
+
+    >>> gold = shade.Material(mdf="ggx", ax=.1, ay=.4, metal="gold")
+    >>> gold.fresnel, gold.ay
+    ('conductor', 0.4)
     """
 
     CHANGED = "replace({}) makes a material like it that has it"
@@ -152,7 +182,11 @@ class Material(Fixed):
 
     def replace(self, *, metal: str | None = None, roughness: tuple[str, float, float] | None = None,
                 fast: bool | None = None, **values: Any) -> "Material":
-        """A material like this but for what is given."""
+        """A material like this but for what is given.
+
+        >>> shade.Material(ex=200).replace(ex=50).ex
+        50.0
+        """
         other = object.__new__(Material)
         other._params = type(self._params)(*self._params)
         other._set(metal, roughness, fast, values)
@@ -172,7 +206,14 @@ class Material(Fixed):
         return [*super().__dir__(), *lists(), *parameters()]
 
     def json(self, number: int = 0, name: str | None = None) -> dict[str, Any]:
-        """As the header of a dump has it: a dictionary."""
+        """The material as the header of a dump has it: a dictionary.
+
+        :param number: its `id` there
+        :param name: its name there
+
+        >>> shade.Material().json(3)["id"]
+        3
+        """
         called = None if name is None else str(name).encode()
         length = LIB.shade_params_json(self._params, number, called, None, 0)
         buffer = ctypes.create_string_buffer(length + 1)
@@ -230,13 +271,21 @@ def _made(material):
 
 def eval(material: Material, n: ArrayLike | None, wi: ArrayLike, wo: ArrayLike, *, parts: str = "both",
          status: Status | None = None, **varied: ArrayLike) -> Shaded:
-    """f(wi, wo) in 1/sr, RGB, and its cosine: a picture is f · cosine · irradiance. Returns (f, cosine), of the
-    shapes (…, 3) and (…).
+    """The BRDF f(wi, wo) and its cosine. A picture is f · cosine · irradiance.
 
-    n (None: z), wi, wo: (…, 3), unit, broadcast against each other. `varied`: parameters of each sample instead
-    of the material's, ax, ay, ex, ey (…); f0, f82, eta, k, kd (…, 3); groove (…, 2). `parts`: both, specular or
-    diffuse. `status`: a Status that gathers what had to be mended. float32 where all numpy arrays are, else
-    float64.
+    All arrays are broadcast against each other. The results are float32 where all numpy arrays are, else float64.
+
+    :param n: perturbed normal (…, 3), unit; None: z
+    :param wi: to the light (…, 3), unit
+    :param wo: to the eye (…, 3), unit
+    :param parts: both, specular or diffuse
+    :param status: a Status that gathers what had to be mended
+    :param varied: parameters of each sample in place of the material's: ax, ay, ex, ey (…); f0, f82, eta, k, kd (…, 3); groove (…, 2)
+    :returns: (f, cosine): RGB in 1/sr (…, 3), and (…)
+
+    >>> f, cosine = shade.eval(shade.Material(ex=200, ey=10), None, [.6, 0, .8], [-.6, 0, .8])
+    >>> f.shape, float(cosine)
+    ((3,), 0.8)
     """
     call = _directions(Call(), n, wo).add("wi", wi, "wix", "wiy", "wiz")
     number = _varied(call, parts, varied)
@@ -248,7 +297,16 @@ def eval(material: Material, n: ArrayLike | None, wi: ArrayLike, wo: ArrayLike, 
 
 
 def D(material: Material, n: ArrayLike | None, h: ArrayLike, *, status: Status | None = None) -> Floats:
-    """D'(h), the distribution carried by the perturbed normal, in 1/sr: an array (…)."""
+    """D'(h), the distribution carried by the perturbed normal.
+
+    :param n: perturbed normal (…, 3), unit; None: z
+    :param h: half vector (…, 3), unit
+    :param status: a Status that gathers what had to be mended
+    :returns: an array (…), in 1/sr
+
+    >>> float(shade.D(shade.Material(ex=2, ey=2), None, [0, 0, 1]) * 2 * np.pi)  # √(3 · 3)
+    3.0
+    """
     call = Call().add("n", UP if n is None else n, "nx", "ny", "nz").add("h", h, "hx", "hy", "hz").prepare()
     made, out = call.columns(), np.zeros(call.count, call.dtype)
     function = getattr(LIB, "shade_mdf_eval_batch" + call.ending)
@@ -258,7 +316,15 @@ def D(material: Material, n: ArrayLike | None, h: ArrayLike, *, status: Status |
 
 def pdf(material: Material, n: ArrayLike | None, wi: ArrayLike, wo: ArrayLike, *, parts: str = "both",
         status: Status | None = None, **varied: ArrayLike) -> Floats:
-    """The density, in 1/sr, with which `sample` draws wi for wo: an array (…)."""
+    """The density with which `sample` draws wi for wo.
+
+    The parameters are those of `eval`.
+
+    :returns: an array (…), in 1/sr
+
+    >>> bool(shade.pdf(shade.Material(), None, [.6, 0, .8], [-.6, 0, .8]) > 1)
+    True
+    """
     call = _directions(Call(), n, wo).add("wi", wi, "wix", "wiy", "wiz")
     number = _varied(call, parts, varied)
     lanes, out = call.prepare().lanes(structs.Lanes, parts=number), np.zeros(call.count, call.dtype)
@@ -269,8 +335,22 @@ def pdf(material: Material, n: ArrayLike | None, wi: ArrayLike, wo: ArrayLike, *
 
 def sample(material: Material, n: ArrayLike | None, wo: ArrayLike, u: ArrayLike, *, parts: str = "both",
            status: Status | None = None, **varied: ArrayLike) -> Drawn:
-    """Draw wi for wo from u (…, 2), uniform in [0, 1). Returns (wi, f, pdf, cosine); all 0 where the draw found
-    no direction, which counts in an average: f · cosine / pdf over u is the albedo."""
+    """Draw directions to the light. f · cosine / pdf, averaged over u, is the albedo.
+
+    All results are 0 where a draw found no direction, and it counts so in an average.
+
+    :param n: perturbed normal (…, 3), unit; None: z
+    :param wo: to the eye (…, 3), unit
+    :param u: two numbers for each draw (…, 2), uniform in [0, 1)
+    :param parts: both, specular or diffuse
+    :param status: a Status that gathers what had to be mended
+    :param varied: as for `eval`
+    :returns: (wi, f, pdf, cosine): (…, 3), RGB in 1/sr (…, 3), in 1/sr (…), and (…)
+
+    >>> drawn = shade.sample(shade.Material(), None, [0, 0, 1], [[.2, .3], [.5, .5]])
+    >>> drawn.wi.shape, bool((drawn.pdf > 0).all())
+    ((2, 3), True)
+    """
     call = _directions(Call(), n, wo).add("u", u, "u1", "u2")
     number = _varied(call, parts, varied)
     lanes = call.prepare().lanes(structs.SampleLanes, parts=number)
@@ -281,5 +361,9 @@ def sample(material: Material, n: ArrayLike | None, wo: ArrayLike, u: ArrayLike,
 
 
 def isa() -> str:
-    """The instruction set that what is made now runs on: "avx512", "avx2", "sse2" or "scalar"."""
+    """The instruction set that what is made now runs on: "avx512", "avx2", "sse2" or "scalar".
+
+    >>> shade.isa() in ("avx512", "avx2", "sse2", "scalar")
+    True
+    """
     return text(LIB.shade_isa())
