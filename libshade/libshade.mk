@@ -10,8 +10,8 @@ endif
 SHADE_WARN := -Wall -Wextra -Wconversion $(WERROR) $(if $(CC_IS_GCC),,-Wno-enum-float-conversion -Wno-enum-enum-conversion)
 # no path of this machine in what is built
 NO_PATH := "-ffile-prefix-map=$(CURDIR)=."
-# names and lines, which traces show; with variables too (CFLAGS=-g) the compiler takes a quarter
-# longer, three quarters under sanitizers. What holds public functions has their types (`make abi`)
+# names and lines, which traces show; with variables too (CFLAGS=-g) compiling takes longer. What
+# holds public functions has their types (`make abi`)
 DEBUG := -g1
 DEBUG_TYPES := -g
 SHADE_CFLAGS := -O3 -std=c11 $(DEBUG) -fPIC -fno-math-errno -fno-trapping-math -ffp-contract=fast \
@@ -25,9 +25,8 @@ say = $(if $(V),,@echo "  $(1)$(2)")
 # vectoriser computes both: a spurious exception, and slower
 ONE_BRANCH := $(if $(CC_IS_GCC),-fno-tree-pre)
 # no vectors outside the vectorised loops. clang packs two divisions into a vector of four, where
-# the two that nobody reads are 0/0: a spurious exception, and slower (sse2: single calls take twice
-# as long with it; without, the whole BRDF over arrays takes a fifth longer). gcc reads in vectors
-# what was just written one by one, and waits: a density of 16 samples takes a sixth longer
+# the two that nobody reads are 0/0: a spurious exception, and slower. gcc reads in vectors what was
+# just written one by one, and waits
 FULL_VECTORS := $(if $(CC_IS_GCC),-fno-tree-slp-vectorize,-fno-slp-vectorize)
 # gcc: no pairs of floats for what vectors of four leave over. It computes them in four lanes, the
 # upper two with whatever a spill left there: a spurious exception (sse2: draws of Beckmann's)
@@ -218,9 +217,9 @@ check-headers: $(B)/libshade.a
 	  printf "#include \"shade/$${header##*/}\"\ntypedef int used;\n" | $$cc -std=c11 -pedantic-errors $(SHADE_WARN) \
 	    -I$(L)/include -xc -fsyntax-only - || exit 1; done; done
 
-# not asked: what AddressSanitizer says too, once such a pointer is used; a third of the time to compile and to run
+# not asked: what AddressSanitizer says too, once such a pointer is used; it takes long to compile and to run
 SANITIZE := -fsanitize=address,undefined -fno-sanitize=null,pointer-overflow,object-size -fno-sanitize-recover=all
-# kernels take three fifths of the time to compile at -Og, and a twentieth more to run
+# kernels compile sooner at -Og, and run hardly slower
 # NEEDS: what is set up is that of the make above
 SANITIZED_BUILD = NEEDS= B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" ISA_LEVEL=-Og PLAIN_B=$(B) PLAIN_ISAS="$(UNRUN_ISAS)"
 # These put more numbers through calls that `soak`, `fabric_soak` and `hostile` make too: under sanitizers in `make soak`

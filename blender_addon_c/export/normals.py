@@ -7,7 +7,7 @@ import numpy as np
 
 from .layers import read
 
-_AT_ONCE = 1 << 14  # triangles that a processor's cache holds: a third of the time of all at once
+_AT_ONCE = 1 << 14  # triangles that a processor's cache holds
 
 
 def of_loops(mesh):

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A block of prepared lanes of cloth under light: s, the density that the light is drawn with, or
- * both, which have most in common. Usual near lanes stay where they are, which wins a tenth of a
- * frame of near cloth; others are gathered, and those of rare kinds go one by one.
+ * both, which have most in common. Usual near lanes stay where they are, which is quickest. Others
+ * are gathered, and those of rare kinds go one by one.
  */
 #ifndef SHADE_BATCH_CLOTH_BLOCK_H
 #define SHADE_BATCH_CLOTH_BLOCK_H

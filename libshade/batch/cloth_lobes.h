@@ -10,7 +10,7 @@
 #include "bsdf_batch.h"
 #include "cloth_one.h"
 
-/* Before a loop over lanes out of order, or of many choices: clang 14 refuses to vectorise them. */
+/* Before a loop over lanes out of order, or of many choices, which clang does not vectorise. */
 #ifdef __clang__
 #define SCATTERED
 #else

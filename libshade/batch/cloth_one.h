@@ -133,7 +133,7 @@ LEAF real shine_usual(const fabric_nodes *nodes, lobe_numbers by, triple wi, tri
   const triple h = {wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
   const real hwo = half_cosine(XYZ(h));
   const size_t m = FABRIC_WHOLE((size_t)nodes->count);
-  enum { PARTS = 16 }; /* sums: of a reduction gcc adds a vector's numbers one after the other */
+  enum { PARTS = 16 }; /* sums side by side, which vectors hold */
   ROOM sum[PARTS] = {0};
   for (size_t from = 0; from < m; from += PARTS)
 #pragma omp simd

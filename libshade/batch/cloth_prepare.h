@@ -363,7 +363,7 @@ static unsigned entry_cloth_prepare(const shade_fabric *f, const fabric_lanes *i
     }
   vec given = {p.n[0], p.n[1], p.n[2]};
   vec eye = {in->wox + start, in->woy + start, in->woz + start};
-  vec *const vectors[3] = {&given, &eye, NULL}; /* gcc believes that three are read */
+  vec *const vectors[3] = {&given, &eye, NULL}; /* the third is not read */
   if (!flat)
     given = (vec){in->nx + start, in->ny + start, in->nz + start};
   status |= mend_block(size, 2, vectors, &p.room);

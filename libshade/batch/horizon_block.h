@@ -55,8 +55,8 @@ static void pass_multiply(size_t count, const real *restrict factor, real *restr
 }
 
 /*
- * nz a b, once for all colours. (Within the loop over them gcc moves the product in front, over
- * whole scratch arrays: it then meets what no lane wrote.)
+ * nz a b, once for all colours. In the loop over colours the product could be taken of whole
+ * scratch arrays, and meet what no lane wrote.
  */
 static void pass_weight(size_t count, const real *restrict nz, const real *restrict a,
                         const real *restrict b, real *restrict weight) {

@@ -110,8 +110,7 @@ static inline float scratch_dig(const scratch_stroke *s, float a0, float b0,
   const float ax = s->ax, ay = s->ay, bx = s->bx, by = s->by;
   const float k2 = s->k2, rim = s->rim, rim2 = rim * rim, rk = s->rk;
   const float xa = s->xa, xb = s->xb, ya = s->ya, yb = s->yb;
-  /* By way of these: where a loop writes back what it may keep, compilers make the store depend on
-     the comparison, which takes twice as long. */
+  /* By way of these: a loop that writes back what it may keep stores under a condition. */
   float deeper[SCRATCH_BLOCK], to_x[SCRATCH_BLOCK], to_y[SCRATCH_BLOCK];
 #pragma omp simd
   for (int k = 0; k < SCRATCH_BLOCK; k++) {
@@ -158,7 +157,7 @@ static void scratch_add_flat(int blocks, const scratch_block *from, size_t line,
   }
 }
 
-/* Four floats as one value: gcc makes no vectors of loops over so few. */
+/* Four floats as one value: loops over so few do not vectorise. */
 #if defined(__GNUC__)
 typedef float __attribute__((vector_size(16), may_alias)) scratch_four;
 enum { SCRATCH_FOURS = 1 };

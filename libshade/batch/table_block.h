@@ -12,16 +12,16 @@ typedef struct table_place {
 } table_place;
 
 /*
- * n as a number that compilers do not know: of bounds they know, gcc makes a branch for each order
- * of what is between them, and of those several masks a lane, where two instructions would do.
+ * n as a number that compilers do not know, so that to bring a number between two of them takes two
+ * instructions and no branch.
  */
 LEAF real table_bound(const fabric_table *table, int n) {
   return (real)(table->columns > 0 ? n : 0);
 }
 
 /*
- * All fields of a vertex lie side by side, and a lane takes them at once: this is a third of the
- * time of a gather for each, also where there are wide ones.
+ * All fields of a vertex lie side by side, and a lane takes them at once, which is quicker than a
+ * gather for each.
  */
 #define TABLE_FETCH(name, type, fields)                                                            \
   LEAF void table_##name(const type *restrict table, int columns, table_spot p,                    \

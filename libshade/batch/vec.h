@@ -7,8 +7,7 @@
 
 #include "../model/random.h"
 
-/* Scratch of a block, at the start of a cache line: no vector of it straddles two (a fifth of the
- * time of f, AVX-512). */
+/* Scratch of a block, at the start of a cache line: no vector of it straddles two. */
 #define ROOM _Alignas(64) real
 
 /* Of the widest vector that loops use. */
@@ -49,8 +48,7 @@ LEAF vec vec_swapped(vec v) {
   return (vec){v.y, v.x, v.z};
 }
 
-/* The arrays of v as vx, vy, vz, which is what compilers vectorise: gcc does not through members.
- */
+/* The arrays of v as vx, vy, vz: loops over members would not vectorise. */
 #define ARRAYS(v) const real *restrict v##x = v.x, *restrict v##y = v.y, *restrict v##z = v.z
 
 /* Sample i of them, in a loop. */

@@ -102,8 +102,7 @@ LEAF real smith_gaussian(real w) {
 
 /*
  * The cosines about n; coso is 0 where light or eye is below either horizon. One comparison:
- * with several, gcc loads some arrays for some lanes only, and computes with what the others
- * held before.
+ * then every lane reads all arrays, and none computes with what was there before.
  */
 LEAF real lit_cosine(real ci, real co, real iz, real oz) {
   return minimum(minimum(ci, co), minimum(iz, oz)) > 0 ? co : 0;

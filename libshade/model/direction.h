@@ -14,8 +14,8 @@
  * vectorises with no comparison.
  *
  * FAR_BIT, the highest of the exponent, is set in numbers of size 2 or more, infinite and NaN
- * ones too. Without it no square can overflow; with it the vector is far from unit. (A
- * minimum in its place does not do: compilers move the square before it.)
+ * ones too. Without it no square can overflow. With it the vector is far from unit. A minimum in
+ * its place would not do, since the square may be taken before it.
  */
 #if SHADE_FLOAT
 #define FAR_BIT 0x40000000u

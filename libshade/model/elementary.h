@@ -212,8 +212,8 @@ LEAF real scaled_erfc_at(real y) {
 }
 
 /*
- * x where mask is whole, as where its number is above 0, else `other`. Of a choice gcc loads for
- * some lanes only what the other lanes do not read, which sse2 cannot: the loop stays scalar.
+ * x where mask is whole, as where its number is above 0, else `other`. By bits: the loop vectorises
+ * where no instruction loads for some lanes only.
  */
 LEAF real_bits mask_of(real x) {
   return to_bits(x > 0 ? from_bits(~(real_bits)0) : 0); /* sse2 chooses no 64-bit integers */

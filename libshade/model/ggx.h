@@ -37,7 +37,7 @@ LEAF ggx_sample ggx_of(ggx_slopes i, ggx_slopes o, real hh, real ll, lobe_number
   real l = root(ll), si = root(si2), so = root(so2);
   real value = lobe.peak * (ratio * ratio) * l /
                maximum(2 * (o.c * si + i.c * so), R(1e-20) * maximum(l, R(1e-12)));
-  /* one comparison, as in lit_cosine; as bits, or gcc weaves it into that of the minimum below */
+  /* one comparison, as in lit_cosine; as bits, which keeps it apart from the minimum below */
   real_bits lit = -(real_bits)(minimum(minimum(i.c, o.c), lowest) > 0);
   s.cosi = maximum(i.c, 0);
   s.coso = from_bits(to_bits(o.c) & lit);

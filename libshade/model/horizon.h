@@ -42,8 +42,8 @@ LEAF normal bend(real nx, real ny, real nz, real wox, real woy, real woz) {
   real apart = over / maximum(s - a, TINY);
   real x = a < 0 ? apart : s + a;
   real z = woz + t;
-  /* by the larger first: z may be so small that it has no square. No choice by `low`: compilers
-     would divide in both cases, 0/0 too */
+  /* by the larger first: z may be so small that it has no square. No choice by `low`: both cases
+     would be divided, 0/0 too */
   real larger = 1 / (maximum(x, absolute(z)) + LEAST_NORMAL);
   x *= larger;
   z *= larger;

@@ -62,7 +62,7 @@ LEAF slope_search slope_start(real u_in, real rise, real lean) {
   s.u = minimum(maximum(u_in, LEAST_UNIFORM), BELOW_ONE);
   s.rise = rise;
   s.lean = lean;
-  /* the floor: gcc squares before it takes the minimum */
+  /* the floor: no quotient whose square is infinite */
   real a = minimum(rise / maximum(lean, R(1e-12)), 100);
   real ea = exp_negative(a * a);
   real whole =

@@ -36,8 +36,8 @@ static inline int shade_mdf_reads_exponents(shade_mdf mdf) {
  * kx and ky are the exponents for Ashikhmin-Shirley and 1/alpha^2 for the others; peak is D at
  * the pole: sqrt((ex+1)(ey+1))/(2 pi), or 1/(pi ax ay).
  *
- * Below the horizon t is -1, and its size does as well as 0: the result is 0 there. (A maximum
- * would be one more condition on t for compilers to split the computation at; see TINY.)
+ * Below the horizon t is -1, and its size does as well as 0: the result is 0 there. A maximum would
+ * be one more condition on t; see TINY.
  */
 
 LEAF real slope_peak(real kx, real ky) {

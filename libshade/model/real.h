@@ -20,8 +20,8 @@
 #define R(x) x##f
 /*
  * Added to squares before a division by them: it is lost in any that matters, and 1e8 / TINY
- * is still finite. A floor would do as well, but compilers make two branches of a maximum,
- * compute both in vectors, and so divide by 0 after all.
+ * is still finite. A maximum would not do: in vectors both of its branches are computed, and one
+ * of them divides by 0.
  */
 #define TINY 1e-29f
 #define LEAST_NORMAL 0x1p-126f /* not to divide by 0 */

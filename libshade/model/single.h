@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * f, density and draw of one sample. All return status bits. Directions are handed on by value: an
- * array that is indexed by a variable, or copied, lies in memory, and compilers read in one what
- * was just written in parts, which waits: a fifth of a call of GGX.
+ * f, density and draw of one sample. All return status bits. Directions are handed on by value, so
+ * that they stay in registers.
  */
 #ifndef SHADE_MODEL_SINGLE_H
 #define SHADE_MODEL_SINGLE_H

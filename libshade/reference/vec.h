@@ -27,8 +27,8 @@ static inline vec minus(vec a, vec b) {
 static inline vec plus(vec a, vec b) {
   return (vec){a.x + b.x, a.y + b.y, a.z + b.z};
 }
-/* hypotl takes ten times as long, and is needed only where squares leave the range of a long
-   double: those of doubles do not */
+/* hypotl is slow, and is needed only where squares leave the range of a long double: those of
+   doubles do not */
 static inline real length2(real x, real y) {
   return sqrtl(x * x + y * y);
 }
@@ -71,7 +71,7 @@ static inline real square(real x) {
   return x * x;
 }
 
-/* x to the fifth power: powl takes twenty times as long. */
+/* x to the fifth power: powl is slow. */
 static inline real fifth(real x) {
   return square(square(x)) * x;
 }

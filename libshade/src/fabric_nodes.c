@@ -19,8 +19,8 @@
 #define SPREAD_LEFT_GAUSSIAN 0.06 /* lobes that are steeper in their flanks */
 #define SPREAD_LEFT_COARSE 0.5    /* what directions are drawn from */
 #define SPREAD_LEFT_FINE 0.05     /* what tables are made of */
-/* Up to which spread of all tilts one lobe draws as well as the coarse ones: with no more noise
- * (under an even sky presets have 1 to 6 % less variance), at a fraction of the time. */
+/* Up to which spread of all tilts one lobe draws as well as the coarse ones: with no more noise, at
+ * a fraction of the time. */
 #define SPREAD_OF_ONE 2.5
 #define BROAD 20.0
 

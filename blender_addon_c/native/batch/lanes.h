@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * What the stages read and write: structures of embedded arrays, one number a lane. With
- * `#pragma omp simd` on the loop and the structures as restrict parameters gcc and clang vectorise
- * these on every instruction set; structures of pointers they do not.
+ * `#pragma omp simd` on the loop and the structures as restrict parameters these vectorise on every
+ * instruction set. Structures of pointers would not.
  *
  * A lane is one sample of one pixel up to `locate`, and from there on one hit (queue.h).
  */

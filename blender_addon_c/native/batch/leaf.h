@@ -37,8 +37,8 @@ LEAF vec3 cross(vec3 a, vec3 b) {
   return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/* yes where `mask` has all its bits, no where it has none. For what is the same for all lanes: such
- * a bool would keep gcc from vectorising. */
+/* yes where `mask` has all its bits, no where it has none. For what is the same for all lanes: with
+ * a bool for it the loop would not vectorise. */
 LEAF float either(uint32_t mask, float yes, float no) {
   uint32_t a, b;
   memcpy(&a, &yes, sizeof a);

@@ -424,8 +424,8 @@ LEAF void metal_finish(const closure_metal *c, lane_run run, const surfaces *res
   .groove_x = c->grooved ? lane_of(given, c->groove[0], 6, run) + i : NULL,                        \
   .groove_y = c->grooved ? lane_of(given, c->groove[1], 7, run) + i : NULL
 
-/* The matt body by itself, where every horizon is the same: a tenth of what the library would do.
- * No numbers are the material's own. */
+/* The matt body by itself, where every horizon is the same: much less than the library would do. No
+ * numbers are the material's own. */
 typedef struct matt_lanes {
   const float *kd[3];
   float own[3];

@@ -24,7 +24,7 @@ typedef struct node_place {
 
 /*
  * An operand's lanes: a register's, or a number's, repeated in one of the places that are kept for
- * it. Filling that costs .03 ns a lane, and the loops need no case distinction.
+ * it. Filling that costs little, and the loops need no case distinction.
  */
 static inline const float *lane_of(inputs *at, operand o, int place, lane_run g) {
   if (o.at >= 0)

@@ -47,8 +47,7 @@ typedef struct accel_input {
      them. These too must outlive the accel. */
   const uint8_t *quad_hidden, *triangle_hidden;
   bool timed; /* something moves: rays have times */
-  bool hasty; /* parts' trees in a quarter of the time, and rays a tenth slower; they find the same
-               */
+  bool hasty; /* parts' trees are soon made, and rays are a little slower; they find the same */
 } accel_input;
 
 /*

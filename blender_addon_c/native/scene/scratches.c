@@ -11,8 +11,8 @@
 
 /*
  * The table that answers for what is far has 1024 cells along the tile, 256 at least: 2 to 33 MB.
- * To make it takes some 40 ns for each of a cell's eight lines that a scratch crosses, which are no
- * more than so many.
+ * Making it takes time by the lines that scratches cross, eight a cell. They are no more than so
+ * many.
  */
 enum { CELLS = 1024, CELLS_LEAST = 256, LINES = 8 };
 static const double most_crossed = 4e7;

@@ -141,7 +141,7 @@ static void draw_sun(size_t count, const sky_sun *s, const uint32_t *restrict la
   }
 }
 
-/* The last five steps of a search; a loop gcc would leave in the way of vectors. */
+/* The last five steps of a search, without a loop, so that lanes vectorise. */
 #define SKY_STEP(at, sums, first, u, step) at += sums[first + at + step] <= u ? step : 0;
 #define SKY_STEPS(at, sums, first, u)                                                              \
   SKY_STEP(at, sums, first, u, 16)                                                                 \
