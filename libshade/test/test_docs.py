@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-COST = 0.1
+COST = 0.2
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "docs"))

@@ -10,7 +10,7 @@ import sys
 
 import pytest
 
-COST = 6
+COST = 5.6
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))
@@ -200,8 +200,34 @@ def brdf_at(half):
     return shadow * peak * math.cos(half) ** 200 / (4 * math.cos(half) * 1)
 
 
-@pytest.mark.parametrize("linking", ["shared", "static", "c++"])
-@pytest.mark.parametrize("which", [0, 1])
+def indented(page, first):
+    """The lines of code of a page that begin with that word, as they are typed."""
+    text = (ROOT / f"docs/{page}.md").read_text()
+    return "".join(f"{line.strip()}\n" for line in re.search(rf"(?:^ +\S.*\n)*^ +{first}\b.*\n(?:^ +\S.*\n)*", text, re.M)[0].splitlines())
+
+
+def test_first_program_by_the_page(prefix, tmp_path):
+    """C in five minutes, word for word: the file of that name, the commands, what it prints."""
+    (tmp_path / "libshade").symlink_to(prefix)  # where the page installs it
+    page = (ROOT / "docs/start/c.md").read_text()
+    assert "make install PREFIX=$HOME/libshade" in page
+    (tmp_path / re.search(r"Write this into `([\w.]+)`", page)[1]).write_text(FIRST[0])
+    out = run("sh", "-ec", f"cd\n{indented('start/c', 'cc')}", HOME=str(tmp_path)).split()
+    assert float(out[0]) == pytest.approx(brdf_at((math.asin(.6) - math.asin(.28)) / 2), rel=1e-8) and out[2] == "0"
+
+
+def test_printed_answers():
+    """What pages print below a command of the tool, it prints."""
+    asked = 0
+    for page in ("library/tool", "povray/reference", "library/guide"):
+        for command, said in re.findall(r"^    \$ (.*build/shade .*)\n((?:    [^$\n].*\n)+)", (ROOT / f"docs/{page}.md").read_text(), re.M):
+            assert run("sh", "-ec", command).split() == said.split(), command
+            asked += 1
+    assert asked
+    assert run("sh", "-ec", indented("start/checking", "echo")).split() == ["7.4836678345783225"]
+
+
+@pytest.mark.parametrize("which, linking", [(0, "static"), (0, "c++"), (1, "shared"), (1, "c++")])
 def test_library_page_programs(prefix, tmp_path, which, linking):
     assert len(FIRST) == 2
     source = FIRST[which]

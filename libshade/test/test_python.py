@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT / "libshade" / "python"))
 import shade  # noqa: E402
 from shade import _library, _structs  # noqa: E402
 
-COST = 1.6
+COST = 1.9
 
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
 HEADERS = sorted((ROOT / "libshade/include/shade").glob("*.h"))
@@ -119,6 +119,17 @@ def test_page_examples():
     parsed = doctest.DocTestParser().get_doctest(blocks, {}, "python.md", "docs/library/python.md", 0)
     assert len(parsed.examples) > 20
     assert doctest.DocTestRunner().run(parsed).failed == 0
+
+
+def test_first_steps(capsys):
+    """Python in five minutes, word for word; and what the page says of its numbers."""
+    page = (ROOT / "docs/start/python.md").read_text(encoding="utf-8")
+    code = re.search(r"^ +import numpy.*\n(?: +\S.*\n)+", page, re.M)[0]
+    exec("\n".join(line.strip() for line in code.splitlines()), {})
+    exec("\n".join(line.strip() for line in code.splitlines()).replace("ex=200, ey=10", "ex=10, ey=200"), {})
+    fast, slow = (np.array(text.split(), float) for text in re.findall(r"\[([^]]*)\]", capsys.readouterr().out))
+    assert len(fast) == 18 and (np.diff(fast[:8]) < 0).all()
+    assert fast[4] / fast[0] < .5 * slow[4] / slow[0]
 
 
 def test_reference_examples():
