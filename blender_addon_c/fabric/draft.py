@@ -15,6 +15,10 @@ from .yarns import DRAFT
 
 _MOST_BYTES = 64 << 20
 _LOOK_SECONDS = 0.5
+_SIZES = {
+    "thickness": "no spacing: square crossings as wide as the yarns are thick, %.4g to the centimetre",
+    "even": "neither spacing nor thickness: as many crossings as before, but square, %.4g to the centimetre",
+}
 _seen = {}  # by Text: what it held
 
 
@@ -30,19 +34,20 @@ def decoded(data):
 
 
 def import_wif(node, path):
-    """Make a file a node's draft: (what was mended in it). ValueError: it is none, by the file's name and line."""
+    """Make a file a node's draft: what was mended in it, and its size where it states none. ValueError: it is none, by
+    the file's name and line."""
     name = os.path.basename(path)
     with open(path, "rb") as file:
         data = file.read(_MOST_BYTES + 1)
     if len(data) > _MOST_BYTES:
         raise ValueError(f"{name}: more than {_MOST_BYTES >> 20} MiB; a Weaving Information File was expected")
-    found = _native.wif(data, name)
+    found = _native.wif(data, name, (node.ends_per_cm, node.picks_per_cm))
     text = bpy.data.texts.new(name)
     text.from_string(decoded(data).replace("\r\n", "\n").replace("\r", "\n"))
     text.cursor_set(0)  # else editors show what is below its last line: nothing
     node.draft, node.weave = text, DRAFT
-    if found["counts"]:
-        node.ends_per_cm, node.picks_per_cm = found["counts"]
+    node.ends_per_cm, node.picks_per_cm = found["counts"]
+    if found["widths"]:
         for yarn, (width, gap) in zip(("warp", "weft"), found["widths"]):
             whole = width + gap
             setattr(node, f"{yarn}_width", width / whole)
@@ -50,7 +55,10 @@ def import_wif(node, path):
     if found["colored"] and node.draft_colors:  # they say it all
         for socket in ("Warp Color", "Weft Color"):
             node.inputs[socket].default_value = (0.8, 0.8, 0.8, 1.0)
-    return found["mended"]
+    if found["sett"] == "spacing":
+        return found["mended"]
+    size = _SIZES[found["sett"]] % node.ends_per_cm
+    return f"{found['mended']}; {size}" if found["mended"] else f"{name}: {size}"
 
 
 class LIBSHADE_OT_import_wif(bpy.types.Operator, ImportHelper):

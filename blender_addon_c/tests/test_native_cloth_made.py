@@ -115,7 +115,7 @@ def test_a_draft(tmp_path):
     about = native.wif(WIF.encode(), "three.wif")
     assert (about["ends"], about["picks"], about["colored"], about["mended"]) == (4, 3, True, "")
     assert about["weft_share"] == pytest.approx(5 / 12) and about["counts"] == pytest.approx((20, 10))
-    assert about["widths"] == pytest.approx(np.array(((0.04, 0.01), (0.08, 0.02))))
+    assert about["widths"] == pytest.approx(np.array(((0.04, 0.01), (0.08, 0.02)))) and about["sett"] == "spacing"
     given = scene(cloths=[cloth("linen", 1.0, draft=WIF, repeats=(5.0, 7.0))], width=4, height=4, **PLAIN)
     planes, _ = dump(given, tmp_path / "e.exr")
     np.testing.assert_allclose(np.ptp(planes["uv.U"]) / np.ptp(planes["P.X"]), 5 * 4 / 2, rtol=1e-3)

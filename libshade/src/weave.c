@@ -134,6 +134,9 @@ int shade_weave_params_from_draft(shade_weave_params *p, const shade_draft *draf
     thickness[k] = mean_length(threads, count, 0, &stated);
     spacing[k] = mean_length(threads, count, 1, &stated);
   }
+  const double thicker = fmax(thickness[0], thickness[1]);
+  if (!(spacing[0] > 0 || spacing[1] > 0)) /* square crossings */
+    spacing[0] = spacing[1] = thicker;
   const int whole[2] = {thickness[0] > 0 && spacing[0] > 0, thickness[1] > 0 && spacing[1] > 0};
   if (!whole[0] && !whole[1])
     return 0;
@@ -144,6 +147,21 @@ int shade_weave_params_from_draft(shade_weave_params *p, const shade_draft *draf
     yarn->gap = spacing[from] - yarn->width;
   }
   return 1;
+}
+
+shade_sett shade_draft_sett(const shade_draft *draft, double per_cm[2]) {
+  int stated;
+  const double apart[2] = {mean_length(draft->warp, draft->ends, 1, &stated),
+                           mean_length(draft->weft, draft->picks, 1, &stated)};
+  const double thicker = fmax(mean_length(draft->warp, draft->ends, 0, &stated),
+                              mean_length(draft->weft, draft->picks, 0, &stated));
+  if (apart[0] > 0 || apart[1] > 0) {
+    for (int k = 0; k < 2; k++)
+      per_cm[k] = 1 / (apart[k] > 0 ? apart[k] : apart[!k]);
+    return SHADE_SETT_SPACING;
+  }
+  per_cm[0] = per_cm[1] = thicker > 0 ? 1 / thicker : sqrt(per_cm[0] * per_cm[1]);
+  return thicker > 0 ? SHADE_SETT_THICKNESS : SHADE_SETT_EVEN;
 }
 
 /* Shares of the crossings that the yarns of one direction fill, and their linear colours. */

@@ -88,6 +88,9 @@ typedef enum mending {
   RANGE_GUESSED,
   RANGE_LEFT,
   COLOR_MISSING,
+  COLOR_HEX,
+  COLOR_NONE,
+  ENTRIES_WRONG,
   MENDINGS
 } mending;
 
@@ -103,7 +106,7 @@ typedef struct length {
 
 /* key=values on one line: `count` whole numbers from `first` on in the pool, or a length. */
 typedef struct row {
-  int key, first, count;
+  int key, first, count, hex; /* hex: of 255, whatever the Range */
   long line;
   length length;
 } row;
@@ -142,7 +145,8 @@ typedef struct wif {
   double range[2];
   int has_range;
   color_form form;
-  long form_line;
+  int entries; /* announced; 0: not */
+  long entries_line;
   mended mended[MENDINGS];
   char point; /* the locale's decimal point */
 } wif;

@@ -240,7 +240,7 @@ static void guess_range(wif *w, int channels) {
   const rows *table = &w->rows[COLOR_TABLE];
   int largest = 0;
   for (size_t i = 0; i < table->count; i++)
-    for (int k = 0; k < table->data[i].count && k < channels; k++) {
+    for (int k = 0; k < table->data[i].count && k < channels && !table->data[i].hex; k++) {
       const int n = w->pool[table->data[i].first + k];
       largest = n > largest ? n : largest;
     }
@@ -269,6 +269,11 @@ static double channel(wif *w, int value, int color, long line) {
 
 static void read_color(wif *w, const row *r, int channels, double to[3]) {
   const int *n = w->pool + r->first;
+  if (r->hex) {
+    for (int c = 0; c < 3; c++)
+      to[c] = n[c] / 255.;
+    return;
+  }
   if (r->count != channels)
     shade_wif_mend(w, CHANNELS, r->line, "colour %d has %d numbers, expected %d: %s", r->key,
                    r->count, channels, r->count < channels ? "no black" : "the others left out");
@@ -296,11 +301,16 @@ static int make_palette(wif *w, palette *p) {
   }
   if (!w->has_range)
     guess_range(w, channels);
+  int found = 0;
   for (int k = 0; k < p->size; k++)
-    if (rows[k])
+    if (rows[k]) {
       read_color(w, rows[k], channels, p->colors[k]);
-    else
+      found++;
+    } else
       p->colors[k][0] = -1;
+  if (w->entries_line && w->entries >= 0 && w->entries != found)
+    shade_wif_mend(w, ENTRIES_WRONG, w->entries_line, "Entries=%d, but [COLOR TABLE] has %d",
+                   w->entries, found);
   free(rows);
   const uses u = colors_used(w);
   if (table->zero_line) {

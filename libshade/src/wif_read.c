@@ -46,8 +46,6 @@ static int read_list(wif *w, section where, span s) {
   int count = 0;
   for (span item = shade_wif_item(&s); item.at < item.end; item = shade_wif_item(&s), count++) {
     const int number = shade_wif_whole(item);
-    if (number < 0 && where == COLOR_TABLE && count >= 3)
-      break; /* the colour's name */
     if (number < 0)
       return shade_wif_fail(w, w->line,
                             "'%s' in [%s]: expected whole numbers from 0 on, comma separated",
@@ -58,21 +56,78 @@ static int read_list(wif *w, section where, span s) {
   return count;
 }
 
+/* "#c83232" to the pool, or "#c33", the same in short. Returns how many numbers, or -1. */
+static int read_hex(wif *w, span s) {
+  static const char digits[] = "0123456789abcdefABCDEF";
+  if (s.end - s.at >= 2 && *s.at == '"' && s.end[-1] == '"')
+    s = (span){s.at + 1, s.end - 1};
+  const ptrdiff_t each = (s.end - s.at) / 3; /* digits of a channel, after the # */
+  if (s.at == s.end || *s.at != '#' || s.end - s.at != 3 * each + 1 || each < 1 || each > 2)
+    return 0;
+  int rgb[3] = {0, 0, 0};
+  for (ptrdiff_t i = 0; i < 3 * each; i++) {
+    const char *const digit = strchr(digits, s.at[1 + i]);
+    if (!digit || !*digit)
+      return 0;
+    const int found = (int)(digit - digits), value = found < 16 ? found : found - 6;
+    rgb[i / each] = 16 * rgb[i / each] + value;
+  }
+  for (int c = 0; c < 3; c++)
+    if (add_number(w, each == 1 ? 17 * rgb[c] : rgb[c]) != 0)
+      return -1;
+  return 3;
+}
+
+static int leave_color(wif *w, span s) {
+  shade_wif_mend(w, COLOR_NONE, w->line, "'%s' in [COLOR TABLE], no number of a colour: left out",
+                 shade_wif_show(s).text);
+  return 0;
+}
+
+/* A row of the colour table; `value` has what looks like a comment. One that is none is left out.
+ */
+static int read_color_row(wif *w, row r, span value) {
+  span rest = value, item = shade_wif_item(&rest);
+  r.count = read_hex(w, item);
+  r.hex = r.count > 0;
+  if (r.hex) {
+    const int *n = w->pool + r.first;
+    shade_wif_mend(w, COLOR_HEX, w->line, "colour %d is %s: taken as %d,%d,%d of 255", r.key,
+                   shade_wif_show(item).text, n[0], n[1], n[2]);
+  }
+  rest = shade_wif_value(value);
+  for (item = shade_wif_item(&rest); !r.hex && r.count >= 0 && item.at < item.end;
+       item = shade_wif_item(&rest)) {
+    const int number = shade_wif_whole(item);
+    if (number < 0) /* from the fourth on the colour's name */
+      break;
+    r.count = add_number(w, number) == 0 ? r.count + 1 : -1;
+  }
+  if (r.count < 0)
+    return -1;
+  if (r.count >= 3)
+    return add_row(w, COLOR_TABLE, r);
+  shade_wif_mend(w, COLOR_NONE, w->line,
+                 "colour %d is '%s', not three numbers, red, green and blue: left out", r.key,
+                 shade_wif_show(value).text);
+  return 0;
+}
+
 static int read_row(wif *w, section where, span key, span value) {
   row r = {.line = w->line, .first = (int)w->pool_count};
   r.key = shade_wif_whole(key);
   const int most = where == COLOR_TABLE ? MAX_COLORS : SHADE_DRAFT_MAX_SIDE;
+  if ((r.key < 0 || r.key > most) && where == COLOR_TABLE)
+    return leave_color(w, key);
   if (r.key < 0 || r.key > most)
     return shade_wif_fail(w, w->line, "'%s' in [%s]: expected a number of 1 to %d before the =",
                           shade_wif_show(key).text, shade_wif_section_names[where], most);
+  if (where == COLOR_TABLE)
+    return read_color_row(w, r, value);
+  value = shade_wif_value(value);
   if (where < WHOLE_ROWS) {
     r.count = read_list(w, where, value);
-    if (r.count < 0)
-      return -1;
-    if (where == COLOR_TABLE && r.count < 3)
-      return shade_wif_fail(w, w->line, "colour %d: expected three numbers: red, green, blue",
-                            r.key);
-    return add_row(w, where, r);
+    return r.count < 0 ? -1 : add_row(w, where, r);
   }
   if (value.at == value.end)
     return 0;
@@ -163,6 +218,10 @@ static int read_palette(wif *w, span key, span value) {
       shade_wif_mend(w, FORM_UNKNOWN, w->line, "Form=%s, neither RGB nor CMYK: colours left out",
                      shade_wif_show(value).text);
   }
+  if (shade_wif_is_word(key, "ENTRIES")) {
+    w->entries = shade_wif_whole(value);
+    w->entries_line = w->line;
+  }
   return shade_wif_is_word(key, "RANGE") ? read_range(w, value) : 0;
 }
 
@@ -193,6 +252,8 @@ static int read_line(wif *w, section where, span s) {
   if (!equals) {
     /* a row's number alone */
     const span alone = shade_wif_value(s);
+    if (where == COLOR_TABLE && shade_wif_whole(alone) < 0)
+      return leave_color(w, s);
     if (where >= ROWS || shade_wif_whole(alone) < 0)
       return shade_wif_fail(w, w->line, "'%s' in [%s]: expected key=value", shade_wif_show(s).text,
                             shade_wif_section_names[where]);
@@ -202,10 +263,10 @@ static int read_line(wif *w, section where, span s) {
       return 0;
     return read_row(w, where, alone, (span){alone.end, alone.end});
   }
-  const span key = shade_wif_trim(s.at, equals),
-             value = shade_wif_value(shade_wif_trim(equals + 1, s.end));
+  const span key = shade_wif_trim(s.at, equals), whole = shade_wif_trim(equals + 1, s.end);
   if (where < ROWS)
-    return read_row(w, where, key, value);
+    return read_row(w, where, key, whole);
+  const span value = shade_wif_value(whole);
   if (value.at == value.end)
     return 0; /* left empty: the default */
   switch (where) {

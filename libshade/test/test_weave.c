@@ -411,6 +411,29 @@ static void colors_and_lengths(void **state) {
   assert_near(p.warp.width, .06, 1e-15);
   assert_near(p.warp.gap, .09, 1e-15);
   assert_near(p.weft.width, .06, 1e-15);
+  /* as dense as its spacing says; without, square by the thicker yarns; else as the cloth, evenly
+   */
+  double per_cm[2] = {120, 45};
+  assert_int_equal(shade_draft_sett(d, per_cm), SHADE_SETT_SPACING);
+  assert_near(per_cm[0], 1 / .15, 1e-12);
+  assert_near(per_cm[1], 1 / .15, 1e-12);
+  shade_draft_free(d);
+  d = shade_draft_named("twill_2_2");
+  per_cm[0] = 80;
+  per_cm[1] = 45;
+  assert_int_equal(shade_draft_sett(d, per_cm), SHADE_SETT_EVEN);
+  assert_near(per_cm[0], 60, 1e-12);
+  assert_near(per_cm[1], 60, 1e-12);
+  d->weft[1].thickness = .05;
+  d->warp[0].thickness = .02;
+  assert_int_equal(shade_draft_sett(d, per_cm), SHADE_SETT_THICKNESS);
+  assert_near(per_cm[0], 20, 1e-12);
+  assert_near(per_cm[1], 20, 1e-12);
+  assert_int_equal(shade_weave_params_from_draft(&p, d), 1);
+  assert_near(p.warp.width, .02, 1e-15);
+  assert_near(p.warp.gap, .03, 1e-15);
+  assert_near(p.weft.width, .05, 1e-15);
+  assert_near(p.weft.gap, 0, 1e-15);
   shade_draft_free(d);
 }
 

@@ -149,8 +149,6 @@ static void refusals(void **state) {
   refused("[WEAVING]\nRising Shed=up\n", "cloth.wif, line 2: Rising Shed=up: expected yes or no");
   refused("[COLOR PALETTE]\nRange=255,0\n",
           "cloth.wif, line 2: Range=255,0: expected two whole numbers, the lower first");
-  refused("[COLOR TABLE]\n1=0,0\n",
-          "cloth.wif, line 2: colour 1: expected three numbers: red, green, blue");
   refused(LOOM STRAIGHT TIED "[TREADLING]\n2=16385\n",
           "cloth.wif, line 20: treadle 16385 in [TREADLING]: expected at most 16384");
   refused("[THREADING]\n1=16385\n[LIFTPLAN]\n1=1\n",
@@ -451,6 +449,22 @@ static void colors(void **state) {
                    "cloth.wif: mended: line 4: colour 9 is not in [COLOR TABLE]: the default");
   has_color(d->weft[1].color, 1, 1, 1);
   has_color(d->weft[2].color, 0, 0, 1);
+  shade_draft_free(d);
+  /* rows that are no colours: what can be told is taken, the others are left out */
+  d = parse_warned(
+      "[COLOR PALETTE]\nEntries=4\nRange=0,999\n[COLOR TABLE]\n1=#C83232\n2=\"#0f0\" ; "
+      "green\n3=1,2\n"
+      "4=red\nblue=0,0,999\nno row\n5=#12345g\n6=0,999,0 "
+      "#c83232\n[WARP]\nColor=1\n[WEFT]\nColor=3\n"
+      "[WEFT COLORS]\n2=2\n3=6\n" CLOTH,
+      "cloth.wif: mended: line 2: Entries=4, but [COLOR TABLE] has 3; line 5: colour 1 is #C83232: "
+      "taken as 200,50,50 of 255 (and 1 more); line 7: colour 3 is '1,2', not three numbers, red, "
+      "green and blue: left out (and 4 more); line 16: colour 3 is not in [COLOR TABLE]: the "
+      "default");
+  has_color(d->warp[0].color, 200. / 255, 50. / 255, 50. / 255);
+  has_color(d->weft[0].color, 1, 1, 1);
+  has_color(d->weft[1].color, 0, 1, 0);
+  has_color(d->weft[2].color, 0, 1, 0);
   shade_draft_free(d);
   d = parse("[WARP]\nColor=1,255,0,51\n[WEFT COLORS]\n3=4,0,255,0\n" CLOTH);
   has_color(d->warp[0].color, 1, 0, .2);

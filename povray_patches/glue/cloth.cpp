@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "backend/mdf/cloth.h"
+#include "backend/mdf/words.h"
 
 #include <new>
 #include <vector>
 
 namespace mdf {
 
-Cloth::Cloth() : weave("plain"), stated(0), mm_per_unit(200.0) {
+Cloth::Cloth() : weave("plain"), stated(0), mm_per_unit(200.0), mirrored(false) {
   shade_weave_params_init(&yarns);
   shade_fabric_params_init(&material);
   for (int axis = 0; axis < 2; axis++) {
     per_cm[axis] = 10.0;
     crossings[axis] = 0.0;
-    pigment[axis] = false;
+    counted[axis] = pigment[axis] = false;
   }
 }
 
@@ -29,18 +30,6 @@ void Cloth::take(const shade_preset &preset) {
 
 namespace {
 
-// How many yarns to the centimetre; 0: the draft does not say.
-double density(const shade_thread *threads, int count) {
-  double sum = 0.0;
-
-  for (int i = 0; i < count; i++) {
-    if (!(threads[i].spacing > 0.0))
-      return 0.0;
-    sum += threads[i].spacing;
-  }
-  return count / sum;
-}
-
 bool is_coloured(const shade_thread *threads, int count) {
   for (int i = 0; i < count; i++)
     for (int c = 0; c < 3; c++)
@@ -52,20 +41,34 @@ bool is_coloured(const shade_thread *threads, int count) {
 } // namespace
 
 void Cloth::take(const std::shared_ptr<const shade_draft> &own) {
-  const double ends = density(own->warp, own->ends), picks = density(own->weft, own->picks);
-
   weave.clear();
   draft = own;
-  if (ends > 0.0)
-    per_cm[0] = ends;
-  if (picks > 0.0)
-    per_cm[1] = picks;
   shade_weave_params_from_draft(&yarns, own.get());
   if (is_coloured(own->warp, own->ends) || is_coloured(own->weft, own->picks)) {
     material.draft_colors = 1;
     for (int c = 0; c < 3; c++) // the draft's colours are all that dyes them
       material.warp.kd[c] = material.weft.kd[c] = 1.0;
   }
+}
+
+std::string Cloth::settle() {
+  double found[2] = {per_cm[0], per_cm[1]};
+
+  // one that the author counts is that of both, where the draft says nothing
+  for (int axis = 0; axis < 2; axis++)
+    if (counted[axis] && !counted[!axis])
+      found[!axis] = found[axis];
+  const shade_sett by = shade_draft_sett(draft.get(), found);
+  const bool said = by == SHADE_SETT_SPACING || counted[0] || counted[1] || crossings[0] > 0.0;
+  for (int axis = 0; axis < 2; axis++)
+    if (!counted[axis])
+      per_cm[axis] = found[axis];
+  if (said)
+    return "";
+  return std::string("the draft states no spacing") +
+         (by == SHADE_SETT_THICKNESS ? ": square crossings as wide as its yarns are thick, "
+                                     : " and no thickness: square crossings, ") +
+         text_of(per_cm[0]) + " to the centimetre. ends_per_cm and picks_per_cm state others.";
 }
 
 double Cloth::per_unit(int axis) const {

@@ -23,13 +23,17 @@ struct Cloth {
   shade_fabric_params material;
   unsigned int stated; // as Material::stated
   double per_cm[2];    // crossings along u and v
+  bool counted[2];     // whether its author says so many, and no preset
   double crossings[2]; // in one unit of u and v; 0: by per_cm
   double mm_per_unit;  // cloth that one unit of u or v spans
+  bool mirrored;       // on a mirrored object, as a picture is; else it keeps its hand
   bool pigment[2];     // whether warp, weft take the colour of the layer's pigment
 
   void take(const shade_preset &preset);
   // A draft of the author's: its colours, and what it states of its yarns.
   void take(const std::shared_ptr<const shade_draft> &own);
+  // How dense it is with that draft, where the author has not said it: a note, or nothing.
+  std::string settle();
   double per_unit(int axis) const;
   bool transmits() const;
   // What of a ray may pass between the yarns?

@@ -75,10 +75,10 @@ void Dump::put_vector(float *plane, int pixel, const double v[3], bool mirrored)
 
 bool Dump::hit(int pixel, const Material *material, const double P[3], const double uv[2],
                const double N[3], const double T[3], const double V[3], const double pigment[3],
-               const ClothPlace *cloth, double gaps, const LobeSeen *lobes, int count) {
+               const ClothPlace *cloth, double gaps, const LobeSeen *lobes, int count,
+               bool mirrored) {
   float *const id = &shade_dump_plane(data, SHADE_DUMP_MATERIAL)[pixel];
   const shade_params &params = material->params;
-  const bool mirrored = cloth != NULL;
 
   if (*id >= 0.0f)
     return false;
@@ -120,10 +120,10 @@ bool Dump::hit(int pixel, const Material *material, const double P[3], const dou
 }
 
 void Dump::light(int pixel, int number, const double L[3], const double E[3], const double S[3],
-                 bool cloth) {
+                 bool mirrored) {
   if (number < 0 || number >= data->lights)
     return;
-  put_vector(shade_dump_light_plane(data, number, SHADE_DUMP_L), pixel, L, cloth);
+  put_vector(shade_dump_light_plane(data, number, SHADE_DUMP_L), pixel, L, mirrored);
   put(shade_dump_light_plane(data, number, SHADE_DUMP_E), pixel, E, 3);
   put(shade_dump_light_plane(data, number, SHADE_DUMP_S), pixel, S, 3);
 }

@@ -34,15 +34,15 @@ public:
   // What the eye sees at `pixel`. False if the pixel already holds a
   // hit: the first (top) layer with an mdf { } block counts.
   // pigment: the layer's colour. cloth: where on it, else NULL; gaps: what it leaves of the ray.
-  // lobes: its normals and widths. Cloth is recorded in a mirror, x the other way: it
-  // has a hand, and POV-Ray's space the left.
+  // lobes: its normals and widths. mirrored: x is recorded the other way, of cloth, which has a
+  // hand: POV-Ray's space has the left.
   bool hit(int pixel, const Material *material, const double P[3], const double uv[2],
            const double N[3], const double T[3], const double V[3], const double pigment[3],
-           const ClothPlace *cloth, double gaps, const LobeSeen *lobes, int count);
+           const ClothPlace *cloth, double gaps, const LobeSeen *lobes, int count, bool mirrored);
 
-  // One light on that hit; cloth: whether it is one.
+  // One light on that hit; mirrored: as the hit was.
   void light(int pixel, int number, const double L[3], const double E[3], const double S[3],
-             bool cloth);
+             bool mirrored);
 
   // Throws std::runtime_error naming the file.
   void write(const std::string &json);
@@ -52,7 +52,6 @@ private:
   shade_dump *const data;
 
   void put(float *plane, int pixel, const double *values, int count);
-  // A vector, mirrored where cloth was hit.
   void put_vector(float *plane, int pixel, const double v[3], bool mirrored);
 
   Dump(const Dump &);

@@ -330,11 +330,12 @@ std::string Scene::json(const std::string &renderer) const {
 }
 
 void ShadedPoint::set(const Material *m, const double N[3], const double T[3], const double Ns[3],
-                      const double V[3]) {
+                      const double V[3], bool mirrored) {
   material = m;
   // Cloth has a hand: a twill rises to the right. POV-Ray's space is left-handed, so what is
   // upwards of a T to the right is the other way.
-  const double hand = m->cloth ? -1.0 : 1.0;
+  turned = m->cloth && !mirrored;
+  const double hand = turned ? -1.0 : 1.0;
 
   for (int c = 0; c < 3; c++) {
     frame[0][c] = T[c];

@@ -203,14 +203,15 @@ struct LobeSeen {
 // All vectors are unit, in world space; N faces the eye, T is orthogonal to N.
 // POV-Ray's space is left-handed, but a mirror does not change a BRDF: the
 // frame's y axis is the formula N x T, and every vector goes through it alike. On cloth, whose
-// pattern has a hand, it is the other way.
+// pattern has a hand, it is the other way, but where it is seen as in a mirror.
 class ShadedPoint {
 public:
   enum Part { ALL, SPECULAR, DIFFUSE }; // ALL: where no colour is the pigment's
 
-  ShadedPoint() : material(NULL), lambert(false), prepared(0) {}
+  ShadedPoint() : material(NULL), lambert(false), turned(false), prepared(0) {}
+  // mirrored: its cloth shows the other hand.
   void set(const Material *m, const double N[3], const double T[3], const double Ns[3],
-           const double V[3]);
+           const double V[3], bool mirrored = false);
   // Of a material that follows Lambert's law alone where nothing moves its normal: no other vector
   // has a part in it.
   void set_lambert(const Material *m, const double N[3]) {
@@ -239,6 +240,7 @@ public:
 
   bool has_material() const { return material != NULL; }
   const Material &of() const { return *material; }
+  bool left_handed() const { return turned; } // the frame is
 
   // Is this direction above the surface?
   bool above(const double L[3]) const { return over(L) > 0.0; }
@@ -292,6 +294,7 @@ public:
 private:
   const Material *material;
   bool lambert;       // of set_lambert()
+  bool turned;        // the frame's y axis is the other way
   double frame[3][3]; // T, N x T, N
   double eye[3], normal[3], pigment[3];
   std::unique_ptr<shade_fabric_hit> hit; // of a cloth

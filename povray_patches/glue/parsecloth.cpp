@@ -322,6 +322,7 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
   shade_preset preset;
   std::string last;
   double number;
+  bool draft = false;
   int word;
 
   Parse_Begin();
@@ -338,6 +339,8 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
       break;
     case mdf::FABRIC_DRAFT:
       Parse_Mdf_Draft(*cloth);
+      cloth->counted[0] = cloth->counted[1] = false;
+      draft = true;
       break;
     case mdf::FABRIC_CROSSINGS:
       Parse_Mdf_Crossings(*cloth);
@@ -348,9 +351,11 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
       break;
     case mdf::FABRIC_ENDS_PER_CM:
       cloth->per_cm[0] = Parse_Mdf_Size("ends_per_cm");
+      cloth->counted[0] = true;
       break;
     case mdf::FABRIC_PICKS_PER_CM:
       cloth->per_cm[1] = Parse_Mdf_Size("picks_per_cm");
+      cloth->counted[1] = true;
       break;
     case mdf::FABRIC_WARP:
       Parse_Mdf_Yarns(*cloth, true, false);
@@ -376,6 +381,9 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
     case mdf::FABRIC_DRAFT_COLORS:
       p.draft_colors = Parse_Mdf_Switch("draft_colors");
       break;
+    case mdf::FABRIC_MIRRORED:
+      cloth->mirrored = Parse_Mdf_Switch("mirrored");
+      break;
     case mdf::FABRIC_SHADOWS:
       p.shadows = Parse_Mdf_Switch("shadows");
       break;
@@ -390,6 +398,9 @@ void Parser::Parse_Mdf_Fabric(mdf::Material &material) {
     }
   }
   Parse_End();
+  const std::string note = draft && cloth->draft ? cloth->settle() : "";
+  if (!note.empty())
+    Warn_Mdf(note);
   shade_params choices;
   shade_params_init(&choices);
   choices.mdf = p.mdf;

@@ -43,7 +43,9 @@ struct ShadingFrame {
   void find_tangent();
   // What bumps too small to be seen make of the lobes. level: of Material::regularized, or -1.
   void widen(mdf::ShadedPoint &shaded, int level) const;
-  mdf::ClothPlace place_on_cloth(double width) const;
+  mdf::ClothPlace place_on_cloth(double width, bool mirrored) const;
+  // Whether its cloth is to be seen as in a mirror.
+  bool mirrored() const;
 
   const FINISH *const finish;
   const mdf::Material &material;
@@ -178,10 +180,17 @@ void ShadingFrame::widen(mdf::ShadedPoint &shaded, int level) const {
   }
 }
 
-mdf::ClothPlace ShadingFrame::place_on_cloth(double width) const {
+mdf::ClothPlace ShadingFrame::place_on_cloth(double width, bool as_mirrored) const {
   const mdf::ClothPlace nowhere = {{0.0, 0.0}, {0.0, 0.0}, false};
-  return has_directions ? cloth_place(*material.cloth, plane(), uv, du, dv, N, T, V, width)
-                        : nowhere;
+  return has_directions
+             ? cloth_place(*material.cloth, plane(), uv, du, dv, N, T, V, width, as_mirrored)
+             : nowhere;
+}
+
+bool ShadingFrame::mirrored() const {
+  const TRANSFORM *const moved = isect.Object->UV_Trans;
+  return cloth && material.cloth->mirrored &&
+         (moved != NULL && determinant(moved->matrix) < 0.0) != (plane().det < 0.0);
 }
 
 // Puts the hit into a dump. False where it holds another layer's already, or has no room: for the
@@ -201,7 +210,7 @@ bool record_hit(mdf::Dump &dump, int pixel, const mdf::ShadedPoint &shaded,
   if (turned && material.has_diffuse && material.params.diffuse != SHADE_DIFFUSE_LAMBERT)
     return false;
   return dump.hit(pixel, &material, frame.isect.IPoint, frame.uv, *frame.N, *frame.T, *frame.V, rgb,
-                  place, gaps, lobes, count);
+                  place, gaps, lobes, count, shaded.left_handed());
 }
 
 } // namespace
@@ -250,12 +259,13 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   frame.find_directions(thread);
   frame.perturb_normal(width);
   frame.find_tangent();
-  shaded.set(&material, *frame.N, *frame.T, *frame.Ns, *frame.V);
+  const bool mirrored = frame.mirrored();
+  shaded.set(&material, *frame.N, *frame.T, *frame.Ns, *frame.V, mirrored);
   if (material.has_pigment())
     shaded.set_pigment(rgb);
   mdf::ClothPlace place;
   if (cloth) {
-    place = frame.place_on_cloth(width);
+    place = frame.place_on_cloth(width, mirrored);
     place.far = level >= 0 || ray.IsRadiosityRay();
     gaps = 1.0 - shaded.prepare_cloth(place);
   } else
@@ -343,7 +353,7 @@ void MdfHit::RecordParts(const LightSource *light, const VECTOR direction,
 void MdfHit::Record(const LightSource *light, const VECTOR direction, const double E[3],
                     const double S[3]) const {
   dump->light(pixel, (int)light->index + (light->lightGroupLight ? global_lights : 0), direction, E,
-              S, shaded.of().cloth != NULL);
+              S, shaded.left_handed());
 }
 
 bool MdfHit::Meets(const VECTOR direction) const {

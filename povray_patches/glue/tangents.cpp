@@ -87,15 +87,6 @@ void barycentric(const MESH_DATA *data, const MESH_TRIANGLE *t, const Vector3d &
   weight[0] = 1.0 - weight[1] - weight[2];
 }
 
-double determinant(const MATRIX m) {
-  double sum = 0.0;
-
-  for (int i = 0; i < 3; i++)
-    sum +=
-        m[0][i] * (m[1][(i + 1) % 3] * m[2][(i + 2) % 3] - m[1][(i + 2) % 3] * m[2][(i + 1) % 3]);
-  return sum;
-}
-
 // dP/du and dP/dv of a triangle, in the mesh's space. False where its UVs have
 // no area.
 bool triangle_directions(const MESH_DATA *data, const MESH_TRIANGLE *t, Vector3d &du,

@@ -156,7 +156,7 @@ bool planar_plane(mdf::Shape::Kind kind, const Intersection &isect, const Vector
 
 mdf::ClothPlace cloth_place(const mdf::Cloth &cloth, const PlaneTransform &plane, const UV_VECT uv,
                             const Vector3d &du, const Vector3d &dv, const Vector3d &N,
-                            const Vector3d &T, const Vector3d &eye, double width) {
+                            const Vector3d &T, const Vector3d &eye, double width, bool mirrored) {
   const double(*const m)[2] = plane.m, det = plane.det;
   const double u = uv[U] - plane.offset[U], v = uv[V] - plane.offset[V];
   mdf::ClothPlace place = {{0.0, 0.0}, {0.0, 0.0}, false};
@@ -164,7 +164,7 @@ mdf::ClothPlace cloth_place(const mdf::Cloth &cloth, const PlaneTransform &plane
   if (det == 0.0 || !std::isfinite(det))
     return place;
   const Vector3d along = m[X][X] * du + m[X][Y] * dv, up = m[Y][X] * du + m[Y][Y] * dv;
-  const double hand = dot(cross(T, N), up) < 0.0 ? -1.0 : 1.0;
+  const double hand = (dot(cross(T, N), up) < 0.0) != mirrored ? -1.0 : 1.0;
   place.uv[0] = (u * m[Y][Y] - v * m[Y][X]) / det;
   place.uv[1] = hand * (v * m[X][X] - u * m[X][Y]) / det;
   // A step q across the ray goes along the ray until it meets the surface again; of the steps as

@@ -52,10 +52,11 @@ struct PlaneTransform {
 
 // Where on the cloth a ray of a width meets it, in the plane that the texture's own
 // transformations move. v counts so that the cloth shows its face, whichever way the object's v
-// runs: T, N x T the other way (ShadedPoint) and N stand as u, v and the eye.
+// runs: T, N x T the other way (ShadedPoint) and N stand as u, v and the eye. mirrored: the other
+// way round, N x T as it is.
 mdf::ClothPlace cloth_place(const mdf::Cloth &cloth, const PlaneTransform &plane, const UV_VECT uv,
                             const Vector3d &du, const Vector3d &dv, const Vector3d &N,
-                            const Vector3d &T, const Vector3d &eye, double width);
+                            const Vector3d &T, const Vector3d &eye, double width, bool mirrored);
 
 // The footprint in the (u, v) plane of a ray of a width: two steps across it go along the
 // ray until they meet the surface again; no further than a thousand widths.

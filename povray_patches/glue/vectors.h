@@ -95,6 +95,15 @@ inline RGBColour rgb_colour(const double v[3]) {
   return RGBColour((COLC)v[0], (COLC)v[1], (COLC)v[2]);
 }
 
+inline double determinant(const MATRIX m) {
+  double sum = 0.0;
+
+  for (int i = 0; i < 3; i++)
+    sum +=
+        m[0][i] * (m[1][(i + 1) % 3] * m[2][(i + 2) % 3] - m[1][(i + 2) % 3] * m[2][(i + 1) % 3]);
+  return sum;
+}
+
 } // namespace glue
 } // namespace pov
 

@@ -55,6 +55,7 @@ void add_cloth(std::vector<Words> &sets) {
   add(fabric, "seed", FABRIC_SEED);
   add(fabric, "draft_colors", FABRIC_DRAFT_COLORS);
   add(fabric, "shadows", FABRIC_SHADOWS);
+  add(fabric, "mirrored", FABRIC_MIRRORED);
   for (int row = 0; shade_fabric_number(&cloth, row, &info) != NULL; row++)
     if (std::strstr(info.word, "transmit") == NULL) // said of each yarn
       add(fabric, info.word, BLOCK_ROW + row);

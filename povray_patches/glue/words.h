@@ -61,6 +61,7 @@ enum FabricWord {
   FABRIC_SEED,
   FABRIC_DRAFT_COLORS,
   FABRIC_SHADOWS,
+  FABRIC_MIRRORED,
   YARN_TRANSMIT,
   YARN_MATERIAL = BLOCK_TANGENT + 1000 // + a row of shade_fabric_yarn_number
 };

@@ -124,18 +124,30 @@ def test_a_footprint_is_as_wide_as_its_pixel_anywhere_in_a_picture(render, camer
         assert abs(np.median(ratio) - 1) < .01 and (np.abs(ratio - 1) < .05).mean() > .95, (ratio.min(), ratio.max())
 
 
-@pytest.mark.parametrize("transform", ["", "rotate 180*y", "scale <-1, 1, 1>"])  # also from behind, and mirrored
-def test_a_twill_rises_to_the_right(render, transform):
+@pytest.mark.parametrize("transform, left", [("", ""), ("rotate 180*y", ""), ("scale <-1, 1, 1>", ""), ("", "mirrored on"),
+                                             ("scale <-1, 1, 1>", "mirrored on")])  # also from behind, and mirrored
+def test_a_twill_rises_to_the_right(render, transform, left):
     """Weft is on top iff ((floor u + n_s floor v) mod (n_w + n_p)) < n_w, as whoever looks at the cloth counts it."""
-    words = "weave 1, 3, 1 crossings 8 warp { diffuse rgb 0 specular 0 } weft { diffuse rgb .8 specular 0 } yarns { curve 0 ridge 0 segments 0 }"
+    words = left + " weave 1, 3, 1 crossings 8 warp { diffuse rgb 0 specular 0 } weft { diffuse rgb .8 specular 0 } yarns { curve 0 ridge 0 segments 0 }"
     image = render(scene(sheet() + cloth(words) + transform + "}", "light_source { -9*z, rgb 1 parallel point_at 0 }\n", FRONT),
                    size=(8, 8), dump=False).image[::-1, :, 0]  # row 0 at the bottom
     weft = image > .1
     assert weft.mean() == pytest.approx(1 / 4)
     up = [[(i, j) for i in range(8) if weft[j, i]] for j in range(8)]
     steps = {(up[j + 1][0][0] - up[j][0][0]) % 4 for j in range(7)}
-    # (i + j) mod 4 == 0: one up is one to the left, in whatever way the map runs
-    assert steps == {3}, weft.astype(int)
+    # (i + j) mod 4 == 0: one up is one to the left, in whatever way the map runs; `mirrored on`: of a mirrored object, right
+    assert steps == ({1} if left and transform else {3}), weft.astype(int)
+
+
+def test_a_mirrored_cloth_is_the_picture_in_a_mirror(render, shade_check):
+    """Whatever moves it, and by the reference too; unlit from the side, so that fibres and slants tell left from right."""
+    sun = "light_source {{ <{}, 5, -9>*100, rgb 1 parallel point_at 0 }}\n"
+    words = 'preset "denim" crossings 7 mirrored on'
+    box = "box {{ -.6, .6 rotate <20, 30, 10> {} {} }}"
+    plain = render(scene(box.format(cloth(words), ""), sun.format(3), FRONT), size=(48, 48))
+    other = render(scene(box.format(cloth(words), "scale <-1, 1, 1>"), sun.format(-3), FRONT), size=(48, 48))
+    assert other.image[:, ::-1] == pytest.approx(plain.image, abs=2e-3) and plain.image.max() > .02
+    shade_check(other.dump, 2e-5)
 
 
 def test_what_is_behind_shows_through_the_gaps(render):
@@ -258,6 +270,19 @@ def test_a_draft_brings_its_yarns(render, shade_check, tmp_path):
     shade_check(dump, 2e-5)
     S = dump.S.sum((0, 1, 2))
     assert S[0] > 3 * S[1] and S[2] > 3 * S[1]  # red and blue
+
+
+def test_a_draft_without_spacing_is_square(render, tmp_path):
+    """By its thickness, or else as dense as the cloth is; unless the scene says how dense it is."""
+    bare = "\n".join(line for line in WIF.splitlines() if not line.startswith("Spacing")) + "\n"
+    (tmp_path / "bare.wif").write_text(bare)
+    (tmp_path / "thick.wif").write_text(bare.replace("[WEFT]\n", "[WEFT]\nThickness=.05\n"))
+    for words, u, v, note in (('draft "bare.wif"', 147, 147, "73.4847 to the centimetre"), ('draft "thick.wif"', 40, 40, "20 to the centimetre"),
+                              ('draft "bare.wif" picks_per_cm 30', 60, 60, ""), ('ends_per_cm 50 draft "bare.wif" crossings <3, 5>', 3, 5, "")):
+        result = render(scene(sheet() + cloth(f'preset "silk_charmeuse" mm_per_unit 20 {words}') + "}", SUN, FRONT), size=(16, 16))
+        assert result.dump.uv[0, -1] == pytest.approx([u * 31 / 32, v * 31 / 32], rel=1e-3)
+        said = " ".join(result.message.split())
+        assert ("states no spacing" in said) == bool(note) and note in said, said
 
 
 def test_the_colours_of_a_draft_are_all_that_dyes_its_yarns(render, tmp_path):

@@ -168,17 +168,20 @@ PyObject *native_cloth_albedo(PyObject *self, PyObject *argument) {
 }
 
 const char wif_doc[] =
-    "wif(bytes, name) -> dict\n\n"
+    "wif(bytes, name, counts=(1, 1)) -> dict\n\n"
     "What a Weaving Information File says: ends, picks (of a repeat), weft_share, colored,\n"
-    "mended (a message, or empty), and counts (per cm) and widths ((width, gap) of warp and of\n"
-    "weft) where it states thickness and spacing, else None. ValueError: it is none; the message\n"
-    "has the name, the line and what was expected.";
+    "mended (a message, or empty), counts (per cm, of a cloth that has had those of `counts`), sett\n"
+    "(what they follow: spacing, thickness or even), and widths ((width, gap) of warp and of weft)\n"
+    "where it states them, else None. ValueError: it is none; the message has the name, the line\n"
+    "and what was expected.";
 PyObject *native_wif(PyObject *self, PyObject *arguments) {
   const char *text, *name;
   Py_ssize_t length;
   char message[512];
   (void)self;
-  if (!PyArg_ParseTuple(arguments, "y#s:wif", &text, &length, &name))
+  static const char *const setts[] = {"spacing", "thickness", "even"};
+  double counts[2] = {1, 1};
+  if (!PyArg_ParseTuple(arguments, "y#s|(dd):wif", &text, &length, &name, &counts[0], &counts[1]))
     return NULL;
   shade_draft *d = shade_wif_parse(text, (size_t)length, name, message, sizeof message);
   PyObject *told = PyUnicode_DecodeUTF8(message, (Py_ssize_t)strlen(message), "replace");
@@ -191,21 +194,17 @@ PyObject *native_wif(PyObject *self, PyObject *arguments) {
   }
   shade_weave_params p;
   shade_weave_params_init(&p);
-  PyObject *counts = Py_NewRef(Py_None), *widths = Py_NewRef(Py_None);
-  if (shade_weave_params_from_draft(&p, d)) {
-    Py_DECREF(counts);
-    Py_DECREF(widths);
-    counts =
-        Py_BuildValue("(dd)", 1 / (p.warp.width + p.warp.gap), 1 / (p.weft.width + p.weft.gap));
-    widths = Py_BuildValue("((dd)(dd))", p.warp.width, p.warp.gap, p.weft.width, p.weft.gap);
-  }
-  PyObject *made = counts && widths
-                       ? Py_BuildValue("{s:i,s:i,s:d,s:O,s:O,s:O,s:O}", "ends", d->ends, "picks",
-                                       d->picks, "weft_share", weft_share(d), "colored",
-                                       cloth_draft_tinted(d) ? Py_True : Py_False, "mended", told,
-                                       "counts", counts, "widths", widths)
-                       : NULL;
-  Py_XDECREF(counts);
+  const shade_sett sett = shade_draft_sett(d, counts);
+  PyObject *widths =
+      shade_weave_params_from_draft(&p, d)
+          ? Py_BuildValue("((dd)(dd))", p.warp.width, p.warp.gap, p.weft.width, p.weft.gap)
+          : Py_NewRef(Py_None);
+  PyObject *made =
+      widths ? Py_BuildValue("{s:i,s:i,s:d,s:O,s:O,s:(dd),s:s,s:O}", "ends", d->ends, "picks",
+                             d->picks, "weft_share", weft_share(d), "colored",
+                             cloth_draft_tinted(d) ? Py_True : Py_False, "mended", told, "counts",
+                             counts[0], counts[1], "sett", setts[sett], "widths", widths)
+             : NULL;
   Py_XDECREF(widths);
   Py_DECREF(told);
   shade_draft_free(d);

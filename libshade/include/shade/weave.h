@@ -151,9 +151,10 @@ SHADE_API int shade_draft_equal(const shade_draft *a, const shade_draft *b);
  * - a liftplan without a threading, where end n is on shaft n, and a treadling without a tie-up,
  *   where treadle n lifts shaft n;
  * - a liftplan that contradicts the tie-up, which is left out, unless [CONTENTS] denies the tie-up;
- * - colours as CMYK, beyond their Range, without a Range, or not in the table; and the like.
+ * - colours as CMYK or beyond their Range, without a Range, not in the table, or as #rrggbb; those
+ *   that are no colours are left out; and the like.
  *
- * Not accepted are numbers that are none, no threading or plan at all, and sizes beyond those of a
+ * Not accepted are other numbers that are none, no threading or plan at all, and sizes beyond those of a
  * shade_draft.
  *
  * Threads: the call allocates.
@@ -264,13 +265,30 @@ SHADE_API void shade_weave_params_init(shade_weave_params *p);
  * Take width and gap of warp and weft, in cm, from the thickness and spacing of a draft.
  *
  * They are the means. A yarn thicker than its spacing fills it. Where the draft states both for one
- * of the two directions only, the other direction takes the same numbers.
+ * of the two directions only, the other direction takes the same numbers. Without any spacing
+ * crossings are square, as wide as the thicker yarns.
  *
  * @param p      the numbers to change
  * @param draft  the draft
- * @return 1; or 0, and nothing changes, where it states both for neither direction
+ * @return 1; or 0, and nothing changes, where that leaves neither direction with both
  */
 SHADE_API int shade_weave_params_from_draft(shade_weave_params *p, const shade_draft *draft);
+
+/** What tells how dense a cloth of a draft is. */
+typedef enum shade_sett { SHADE_SETT_SPACING, SHADE_SETT_THICKNESS, SHADE_SETT_EVEN } shade_sett;
+
+/**
+ * Ends and picks per cm of a draft.
+ *
+ * They go by its spacing, where it states that of one of the two directions at least; the other
+ * takes the same. Else crossings are square, as wide as the thicker yarns. Where it states no
+ * thickness either, there are as many as before, sqrt(ends x picks) both ways.
+ *
+ * @param draft   the draft
+ * @param per_cm  in: ends and picks per cm of the cloth that it is made into, above 0; out: its own
+ * @return by what
+ */
+SHADE_API shade_sett shade_draft_sett(const shade_draft *draft, double per_cm[2]);
 
 /**
  * A row of the table of a yarn's numbers.
