@@ -3,13 +3,12 @@
 
 import os
 import time
-import traceback
 from collections import namedtuple
 
 import bpy
 import numpy as np
 
-from . import _native, export, report, saved
+from . import _native, export, memory, report, saved
 from .assets import tells_timings
 from .names import ENGINE
 from .viewport import Viewport
@@ -40,15 +39,25 @@ class LibshadeEngine(bpy.types.RenderEngine):
             self.register_pass(scene, renderlayer, p.name, len(p.channels), p.channels, p.kind)
 
     def render(self, depsgraph):
+        try:
+            self._views(depsgraph)
+        except Exception as error:  # 3.4 crashes writing a picture that is not there, unless an error was told
+            self._tell_failure(depsgraph.scene, error)
+
+    def _views(self, depsgraph):
         region = export.region_of(depsgraph.scene, self.resolution_x, self.resolution_y)
         x0, y0, x1, y1 = region
-        pixels = np.zeros((y1 - y0) * (x1 - x0) * 4, np.float32)
-        for p in export.passes_of(depsgraph.scene, depsgraph.view_layer):
+        count, passes = (y1 - y0) * (x1 - x0), export.passes_of(depsgraph.scene, depsgraph.view_layer)
+        memory.ask_for(x1 - x0, y1 - y0, 4 + sum(len(p.channels) for p in passes))
+        pixels = np.zeros(4 * count, np.float32)
+        for p in passes:
             self.add_pass(p.name, len(p.channels), p.channels, layer=depsgraph.view_layer.name)
         messages, told = export.Messages(), set()
         for view in [view.name for view in self.get_result().views] or [""]:
             # Blender 3.4 crashes writing EXR when a render gave no result: there is one in any case.
             result = self.begin_result(0, 0, x1 - x0, y1 - y0, layer=depsgraph.view_layer.name, view=view)
+            if not result:
+                raise MemoryError
             self._view(depsgraph, region, _Result(result, view), pixels, messages, told)
 
     def _view(self, depsgraph, region, result, pixels, messages, told):
@@ -57,14 +66,16 @@ class LibshadeEngine(bpy.types.RenderEngine):
             self.active_view_set(result.view)
         try:
             self._render(depsgraph, region, result, pixels, messages, told)
-        except export.SceneError as error:
-            self.report({"ERROR"}, f"libshade: {error}")
-            if not self.is_preview:
-                report.keep_failure(depsgraph.scene, str(error))
-        except Exception:  # Blender would print it and show a black picture as if all were well
-            self.report({"ERROR"}, f"libshade: internal error\n{traceback.format_exc()}")
+        except Exception as error:  # Blender would print it and show a black picture as if all were well
+            self._tell_failure(depsgraph.scene, error)
         finally:
             self.end_result(result.whole)
+
+    def _tell_failure(self, scene, error):
+        text, details = report.failure(error)
+        self.report({"ERROR"}, f"libshade: {text}")
+        if not self.is_preview:
+            report.keep_failure(scene, text, details)
 
     def _render(self, depsgraph, region, result, pixels, messages, told):
         try:

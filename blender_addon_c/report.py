@@ -1,16 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the last render or viewport could not show as Cycles does, where artists look: a panel, and a line on our nodes."""
 
+import os
+import platform
 import textwrap
+import traceback
 
 import bpy
 
+from . import _native
 from .names import ENGINE
 
 # What messages begin with ("material 'steel': ..."), where such things are, and their icons.
 _KINDS = {"material": ("materials", "MATERIAL"), "object": ("objects", "OBJECT_DATA"), "light": ("objects", "LIGHT"),
           "camera": ("objects", "CAMERA_DATA"), "world": ("worlds", "WORLD"), "view layer": (None, "RENDERLAYERS")}
 _last = {}  # by name of the scene: ((text, is it an error?), ...)
+_details = {}  # by the same: where in the program its failure was
+_FOLDER = os.path.dirname(os.path.abspath(__file__)) + os.sep
 _stale = [False]  # is something else to be shown?
 _REDRAW_SECONDS = 0.3
 
@@ -20,12 +26,34 @@ def keep(scene, messages, more=()):
     _keep(scene, [(text, True) for text in messages.errors] + [(text, False) for text in (*messages.warnings, *more)])
 
 
-def keep_failure(scene, text):
+def keep_failure(scene, text, details=""):
     """Why there is no picture of a scene, above what else was told of it."""
     _keep(scene, [(text, True), *(said for said in told(scene) if said[0] != text)])
+    _details[scene.name] = details
+
+
+def failure(error):
+    """(what an exception comes to, in one line; where it was, for those who mend it)."""
+    if getattr(error, "for_artists", False):
+        return str(error), ""
+    details, said = "".join(traceback.format_exception(error)), " ".join(str(error).split())
+    if isinstance(error, MemoryError):
+        return f"out of memory: {said}" if said else "out of memory", details
+    ours = [(frame.filename.removeprefix(_FOLDER), frame.lineno) for frame in traceback.extract_tb(error.__traceback__)
+            if frame.filename.startswith(_FOLDER)]
+    place = "{}, line {}: ".format(*ours[-1]) if ours else ""
+    return f"internal error: {place}{type(error).__name__}: {said} (Copy Report is in the Render properties)", details
+
+
+def whole(scene):
+    """All that was told of a scene, and by what, as text."""
+    lines = [f"libshade {_native.version()} ({_native.isa()}), Blender {bpy.app.version_string}, {platform.platform()}"]
+    lines += [f"{'Error' if error else 'Warning'}: {text}" for text, error in told(scene)]
+    return "\n".join([*lines, _details.get(scene.name, "")]).rstrip() + "\n"
 
 
 def _keep(scene, texts):
+    _details.pop(scene.name, None)
     if _last.get(scene.name) != texts:
         _last[scene.name] = texts
         _stale[0] = True  # renders have threads of their own, which must not touch windows
@@ -120,6 +148,17 @@ class LIBSHADE_OT_select_cause(TellsOfNothing, bpy.types.Operator):
         return {"FINISHED"}
 
 
+class LIBSHADE_OT_copy_report(bpy.types.Operator):
+    """Copy what is told here, with the versions of all that told it, to send it to those who can mend it"""
+    bl_idname = "libshade.copy_report"
+    bl_label = "Copy Report"
+
+    def execute(self, context):
+        context.window_manager.clipboard = whole(context.scene)
+        self.report({"INFO"}, "Copied")
+        return {"FINISHED"}
+
+
 class RENDER_PT_libshade_differences(bpy.types.Panel):
     bl_label = "Not Rendered as in Cycles"
     bl_space_type = "PROPERTIES"
@@ -149,6 +188,7 @@ class RENDER_PT_libshade_differences(bpy.types.Panel):
             lines.alert = error
             for line in textwrap.wrap(rest, width):
                 lines.label(text=line)
+        self.layout.operator(LIBSHADE_OT_copy_report.bl_idname, icon="COPYDOWN")
 
 
 def in_digits(number):
@@ -179,9 +219,10 @@ def draw_on(node, layout):
 @bpy.app.handlers.persistent
 def _forget(*_arguments):
     _last.clear()
+    _details.clear()
 
 
-_CLASSES = (LIBSHADE_OT_select_cause, RENDER_PT_libshade_differences)
+_CLASSES = (LIBSHADE_OT_select_cause, LIBSHADE_OT_copy_report, RENDER_PT_libshade_differences)
 
 
 def register():
@@ -198,4 +239,4 @@ def unregister():
     bpy.app.handlers.load_post.remove(_forget)
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)
-    _last.clear()
+    _forget()

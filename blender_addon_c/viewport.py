@@ -33,7 +33,7 @@ class Viewport:
 
     def __init__(self):
         self._kept, self._known = export.Kept(), 0  # what is read, and how much of it is with the job
-        self._changed = True  # since it was read
+        self._changed, self._is_reading = True, False  # since it was read; is it just being?
         self._scene, self._waiting = None, False  # what the native module gets; does it have it yet?
         self._view = None
         self._job, self._made, self._finished, self._failed = None, None, False, False
@@ -43,10 +43,13 @@ class Viewport:
         self._exposure = 1.0
         self._whole = None  # the last picture without holes: rows of pixels
         self._texture, self._place = None, None  # what is shown, and where
-        self._error, self._messages = "", export.Messages()  # why there is no job; what export said
+        self._error, self._messages = "", export.Messages()  # why the scene is not shown; what export said
 
     def scene_changed(self, depsgraph):
-        self._kept.changed(depsgraph)
+        try:
+            self._kept.changed(depsgraph)
+        except Exception:  # read all anew
+            self._kept = export.Kept()
         self._changed = True
 
     def draw(self, engine, context, depsgraph):
@@ -54,10 +57,9 @@ class Viewport:
         view = _view_of(context, depsgraph)
         try:
             reading = not self._advance(view, depsgraph, context.space_data)
-        except (export.SceneError, ValueError) as error:
-            self._job, self._texture, self._error, reading = None, None, str(error), False
-            self._waiting, self._view = False, view
-            report.keep_failure(depsgraph.scene, self._error)
+        except Exception as error:
+            self._give_up(error, depsgraph.scene)
+            self._view, reading = view, False
         if self._texture:
             x0, y0, x1, y1 = self._place
             gpu.state.blend_set("ALPHA_PREMULT")
@@ -70,12 +72,21 @@ class Viewport:
         if not self._job:
             return self._error, False
         state = _native.poll(self._job)
-        report.keep(depsgraph.scene, self._messages, state["warnings"])
+        if not self._error:
+            report.keep(depsgraph.scene, self._messages, state["warnings"])
         self._behind = self._waiting or self._view != view
         more = not self._is_last() or self._behind
         progress = "" if not more else "Building the BVH" if state["stage"] == "build" else (
             f"Sample {state['sample'] if self._made.factor == 1 else 0}/{self._scene['samples']}")
         return " | ".join(filter(None, (progress, self._complaint(state)))), more
+
+    def _give_up(self, error, scene):
+        """The last picture stays; where only reading the scene failed it is still refined, and seen from elsewhere."""
+        self._error, details = report.failure(error)
+        report.keep_failure(scene, self._error, details)
+        if not self._is_reading:
+            self._job, self._scene = None, None
+        self._waiting = self._is_reading = False
 
     def has_news(self):
         """Would drawing it again show more, or get something done? Asked often, as drawing takes much longer."""
@@ -89,7 +100,7 @@ class Viewport:
     def _complaint(self, state):
         """What went wrong, in one line: the worst of it, and how much more there is."""
         failed = [state["message"]] if state["state"] == "failed" else []
-        said = [*failed, *self._messages.errors, *self._messages.warnings, *state["warnings"]]
+        said = [*filter(None, [self._error]), *failed, *self._messages.errors, *self._messages.warnings, *state["warnings"]]
         return "".join(said[:1]) + (f" (and {len(said) - 1} more)" if len(said) > 1 else "")
 
     def _is_last(self):
@@ -112,7 +123,7 @@ class Viewport:
         return True
 
     def _read(self, view, depsgraph, space):
-        messages = export.Messages()
+        messages, self._is_reading = export.Messages(), True
         self._changed = False  # an error is told once
         self._exposure = export.exposure_of(depsgraph.scene)
         try:
@@ -123,7 +134,7 @@ class Viewport:
         except export.Later:
             self._changed = True
             raise
-        self._messages, self._waiting, self._error = messages, True, ""
+        self._messages, self._waiting, self._error, self._is_reading = messages, True, "", False
 
     def _is_building(self):
         """Is the job at what the next one needs, too? Then it is not stopped."""

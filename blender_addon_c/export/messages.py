@@ -7,6 +7,8 @@ import re
 class SceneError(Exception):
     """The scene cannot be rendered; the text says why, for the artist."""
 
+    for_artists = True
+
 
 _OWNERS = {"lights": "light '{}'", "materials": "material '{}'", "meshes": "{}"}
 

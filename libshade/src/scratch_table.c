@@ -105,12 +105,10 @@ static int sort_images(drawing *d) {
     d->start[i + 1] += d->start[i];
   const size_t total = d->start[bands];
   d->image = malloc((total + 1) * sizeof *d->image);
-  if (!d->image)
-    return -1;
-  for (size_t i = 0; i < d->f->pits; i++)
+  for (size_t i = 0; d->image && i < d->f->pits; i++)
     visit(d, (uint32_t)i, d->image);
   d->start--;
-  return 0;
+  return d->image ? 0 : -1;
 }
 
 /* `list` grown to `room`, or NULL and what was there freed. */

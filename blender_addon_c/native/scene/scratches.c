@@ -131,7 +131,10 @@ bool scratches_build(scratches *s) {
   if (s->field)
     return true;
   s->field = shade_scratch_create(&s->params, NULL);
-  return s->field && squares_build(s);
+  if (s->field && squares_build(s))
+    return true;
+  scratches_free(s);
+  return false;
 }
 
 void scratches_take(scratches *to, scratches *from) {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small parts of the add-on against what is known of them: parts.py FOLDER."""
 
+import functools
 import importlib
 import os
 import sys
@@ -431,7 +432,8 @@ def test_what_the_status_line_says():
 def test_errors_are_told_and_the_result_ends():
     engine, export, report = module("engine"), module("export"), module("report")
     scene = common.empty_scene()
-    for error, words in ((export.SceneError("no camera"), "libshade: no camera"), (KeyError("inner"), "libshade: internal error")):
+    for error, words in ((export.SceneError("no camera"), "libshade: no camera"), (MemoryError("of 9 GiB"), "libshade: out of memory: of 9"),
+                         (KeyError("in\nner"), "libshade: internal error: engine.py, line ")):
         for preview in (False, True):
             told, ended = [], []
 
@@ -440,9 +442,13 @@ def test_errors_are_told_and_the_result_ends():
             report.keep(scene, SimpleNamespace(errors=(), warnings=()))
             fake = SimpleNamespace(is_preview=preview, report=lambda kind, text: told.append((kind, text)), _render=fails,
                                    end_result=ended.append)
+            fake._tell_failure = functools.partial(engine.LibshadeEngine._tell_failure, fake)
             engine.LibshadeEngine._view(fake, SimpleNamespace(scene=scene), None, SimpleNamespace(view="", whole="all"), None, None, None)
             assert len(told) == 1 and told[0][0] == {"ERROR"} and told[0][1].startswith(words) and ended == ["all"], told
-            assert bool(report.told(scene)) == (isinstance(error, export.SceneError) and not preview)
+            assert "\n" not in told[0][1] and bool(report.told(scene)) == (not preview), told
+            whole = report.whole(scene)
+            assert bpy.app.version_string in whole and (told[0][1].removeprefix("libshade: ") in whole) == (not preview), whole
+            assert ("in fails" in whole) == (not preview and not isinstance(error, export.SceneError)), whole
     # what is told of a scene is what its last render told
     said = SimpleNamespace(errors=("bad",), warnings=("odd", "old"))
     report.keep(scene, said, ("native",))
