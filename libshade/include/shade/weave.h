@@ -154,8 +154,8 @@ SHADE_API int shade_draft_equal(const shade_draft *a, const shade_draft *b);
  * - colours as CMYK or beyond their Range, without a Range, not in the table, or as #rrggbb; those
  *   that are no colours are left out; and the like.
  *
- * Not accepted are other numbers that are none, no threading or plan at all, and sizes beyond those of a
- * shade_draft.
+ * Not accepted are other numbers that are none, no threading or plan at all, and sizes beyond those
+ * of a shade_draft.
  *
  * Threads: the call allocates.
  *
