@@ -133,7 +133,7 @@ configure=(./configure COMPILED_BY="libshade" --without-x --without-libsdl --dis
 [ -n "$unpatched" ] || configure+=("CPPFLAGS=-I$libshade/include -I$libshade" "LIBS=${EXR_LIBS:--lOpenEXRCore-3_1}")
 
 # prebuild lists the source files, so a new one means a new configuration
-settings=$(printf '%s\n' "${configure[@]}" && ls "$src/source/backend/mdf" 2>/dev/null || true)
+settings=$(printf '%s\n' "${configure[@]}" && cd "$src/source/backend/mdf" 2>/dev/null && ls -- *.h *.cpp || true)
 if [ "$(cat "$out/configured" 2>/dev/null)" != "$settings" ]; then
   say "configuring"
   cd "$src/unix"
