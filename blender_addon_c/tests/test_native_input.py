@@ -25,7 +25,7 @@ from native_scenes import (
     vectors,
 )
 
-COST = 0.32
+COST = 0.4
 
 SHADE = ROOT / "build/shade"
 PIXELS = np.zeros((2, 2, 4), np.float32)

@@ -12,7 +12,7 @@ import pytest
 
 from native_scenes import finish, image, material, native, point, scene, sky, sphere
 
-COST = 1.3
+COST = 2
 
 MEGABYTE = 1 << 20
 

@@ -5,7 +5,7 @@ import pytest
 
 from scenes import SUN, scene
 
-COST = 79
+COST = 80.3
 
 CLOTHS = ("silk_charmeuse", "silk_shantung", "denim", "gabardine", "linen", "wool_flannel", "polyester_lining",
           "shot_taffeta", "herringbone_tweed")
