@@ -105,7 +105,7 @@ camera { location 0 right x up y direction 2*z }
     assert width(slanted, "V") == pytest.approx(width(near, "V"), rel=1e-3)
 
 
-@pytest.mark.parametrize("camera", ["perspective angle 110", "perspective angle 60 right <2, .3, 0>", "orthographic right <8, 1, 2>", "fisheye right x up y angle 150",
+@pytest.mark.parametrize("camera", ["perspective angle 110", "perspective angle 60 right <2, .3, 0>", "orthographic right <8, 1, 2> direction 3*z", "fisheye right x up y angle 150",
                                     "spherical right 1.3*x angle 150 90", "cylinder 1 angle 120 right 1.3*x"])
 def test_a_footprint_is_as_wide_as_its_pixel_anywhere_in_a_picture(render, camera):
     """On the wall a pixel's width follows from what the pixels beside it see."""

@@ -493,6 +493,52 @@ def test_notes_tell_each_block_what_it_says(render):
     assert len(said) == 2 and "4097" in said[0] and "0.5" in said[1], said
 
 
+# A block, what a finish that begins with it says, and what notes then tell of that, or not; a person's
+TAKEN_OVER = [
+    ('bump_image { png "flat.png" filter off once strength 2 }', "", "strength 2, unfiltered, once", "roughness"),
+    ('bump_image { png "flat.png" filter off once strength 2 }', 'bump_image { png "flat.png" }', "strength 1; below a pixel they are roughness", "once"),
+    ('bump_image { png "flat.png" }', 'bump_image { png "flat.png" once }', "below a pixel they are roughness, once", "unfiltered"),
+    ("specular pigment diffuse lambert pigment", "", "specular pigment diffuse: lambert pigment", "conductor"),
+    ("specular pigment diffuse lambert pigment", 'preset "brushed_gold"', "fresnel conductor", "pigment"),
+    ("specular pigment", 'preset "brushed_gold" fresnel schlick', "specular rgb", "pigment"),
+    ('preset "brushed_gold"', "", "a unit of u and v is 200 mm", "cloth"),
+    ('preset "brushed_gold" scratches { mm_per_unit 70 }', 'preset "turned_steel"', "a unit of u and v is 70 mm", "cloth"),
+    ('preset "brushed_gold"', "scratches off", "fresnel conductor", "scratches:"),
+    ('preset "brushed_gold"', 'preset "denim"', "weave twill_3_1", "scratches:"),
+    ('preset "denim"', 'preset "brushed_gold"', "fresnel conductor", "cloth:"),
+    ('fabric { preset "denim" crossings 30 }', "", "30 x 30 crossings", "rays pass"),
+    ('fabric { preset "denim" crossings 30 }', "fabric { mm_per_unit 100 }", "260 x 170 crossings", "rays pass"),
+    ('fabric { preset "denim" mm_per_unit 100 }', "fabric { crossings <7, 9> }", "7 x 9 crossings", "rays pass"),
+    ('fabric { preset "denim" yarns { diffuse pigment } }', "", "warp: diffuse pigment; weft: diffuse pigment", "shines through"),
+    ('fabric { preset "denim" yarns { diffuse pigment } }', "fabric { weft { diffuse rgb .5 transmit rgb .1 } }",
+     "warp: diffuse pigment; weft: diffuse rgb 0.5 light from behind shines through", "lobe:"),
+    ("reflection { samples 7 clamp 3 }", "", "7 rays at a hit, none brighter than 3", "lambert"),
+    ("reflection { samples 7 clamp 3 }", "reflection { samples 9 }", "9 rays at a hit; ", "brighter"),
+    ("tangent radial y at <1, 2, 3>", "", "round <0, 1, 0> at <1, 2, 3>", "along"),
+    ("tangent radial y at <1, 2, 3>", "tangent radial z", "round <0, 0, 1> at <0, 0, 0>", "along"),
+    ("tangent x", "tangent uv", "strokes: along u of each object", "texture's space"),
+]
+
+
+def test_what_a_finish_takes_over(render, tmp_path):
+    """A part of a block that is written anew begins with its defaults; what is not stays."""
+    from test_bump_image import write_png
+    write_png(tmp_path / "flat.png", np.full((2, 2, 3), (128, 128, 255)), "uint8")
+    balls = "".join(f"#declare F = finish {{ mdf {{ {first} }} }}\nsphere {{ 0, 1 texture {{ finish {{ F mdf {{ {then} notes on }} }} }} }}\n"
+                    for first, then, _, _ in TAKEN_OVER)
+    told = render(scene(balls), (8, 6), dump=False).message.split("mdf block at ")[1:]
+    assert len(told) == len(TAKEN_OVER)
+    for said, (first, then, wanted, unwanted) in zip(told, TAKEN_OVER):
+        assert wanted in said and unwanted not in said.split("the finish adds")[0], (first, then, said)
+
+
+def test_a_presets_layers_are_no_longer_ones_own(render):
+    """Their scratches become as many as a larger tile holds, and too many are told of."""
+    blocks = ("layer { pits 9 } tile_mm 1000", 'layer { pits 9 } preset "brushed_steel" tile_mm 1000', 'preset "brushed_steel" tile_mm 1000 layer { pits 9 }')
+    told = [render(scene(sphere(f"scratches {{ {block} }}")), (8, 6), dump=False).message.count("more than a million") for block in blocks]
+    assert told == [0, 1, 1]
+
+
 def test_include_file_of_metals(render, shade_check):
     names = ["Steel_Brushed", "Aluminum_Brushed", "Gold_Brushed", "Copper_Brushed", "Brass_Brushed", "Steel_Blasted", "Aluminum_Blasted"]
     spheres = "".join(f"sphere {{ <{.4 * i - 1.2}, 0, 0>, .2 texture {{ LS_{name} }} }}\n" for i, name in enumerate(names))

@@ -36,6 +36,18 @@ def test_a_polished_block_throws_what_a_mirror_does(thrown):
     assert (thrown("mdf { ggx .01, .01 }") == 0).all()
 
 
+@pytest.mark.parametrize("words, share", [("", .8), ("conserve_energy", .8 * .26)])
+def test_what_photons_leave_for_what_is_behind(render, words, share):
+    """All that the pigment lets through, or what the block does not reflect, at both faces."""
+    sheet = f"box {{ <-.5, 1, -.5>, <.5, 1.01, .5> pigment {{ rgbt <1, 1, 1, .8> }} finish {{ ambient 0 diffuse 0 mdf {{ ggx .05, .05 specular .75 }} {words} }} PHOTONS }}\n"
+    floor = "plane { y, 0 pigment { rgb 1 } finish { ambient 0 diffuse 1 } }\n"
+    above = "#version 3.7;\nglobal_settings { assumed_gamma 1 photons { spacing .01 gather 100, 200 } } camera { orthographic location .5*y right .4*x up .4*z look_at 0 }\n"
+    lamp = "light_source { 9*y, rgb 1 parallel point_at 0 }\n"
+    lit = render(scene(floor, lamp, above), (8, 8), dump=False).image.mean()
+    through = render(scene(floor + sheet.replace("PHOTONS", "photons { target refraction on reflection off collect off }"), lamp, above), (8, 8), dump=False).image.mean()
+    assert through / lit == pytest.approx(share ** 2, rel=.1)
+
+
 def test_a_rough_block_throws_its_lobe(thrown, shade):
     """Against a sum over the plate by the reference's f."""
     found = thrown("mdf { ggx .2, .4 tangent z brdf microfacet specular .7 horizon hard reflection { } }")[..., 0]

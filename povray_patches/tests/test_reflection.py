@@ -97,7 +97,7 @@ def test_a_highlight_is_the_reflection_of_what_is_as_bright(render):
     assert highlight == CLOSE(np.pi * brdf_cos(TURNED) * COLOUR, rel=2e-3)
     assert gathered == CLOSE(highlight, rel=0.03)
     # and the same ball as what the lamp looks like is not counted again, unless the lamp gives no highlight
-    looks = "looks_like { " + emitter(np.zeros(3), np.pi / solid_angle, small).strip() + " }"
+    looks = "looks_like { union { " + emitter(np.zeros(3), np.pi / solid_angle, small).strip() + " sphere { 1e4*y, 1e-3 } } }"
     both = mean(render(scene("reflection { samples 16 }", lamp % looks), dump=False))
     assert both == CLOSE(highlight, rel=2e-3)
     fill = mean(render(scene("reflection { samples 256 }", lamp % ("shadowless " + looks)), (64, 48), dump=False))
@@ -188,6 +188,13 @@ def test_what_is_taken_as_the_nearest(render):
     log = render("".join(scene(words, "") for words in said), (8, 6), dump=False).message
     for words, message in said.items():
         assert log.count(message) == 1, words
+
+
+def test_alpha_is_of_what_the_camera_sees(render):
+    """A background that is see-through in the picture still shines on the metal."""
+    text = scene("reflection { samples 4 }", "background { rgb <1, .5, .25> }")
+    plain, clear = (render(text, (16, 12), ["+WT1", *more], dump=False).image for more in ([], ["+UA"]))
+    assert plain[..., 0].mean() > .3 and np.array_equal(plain, clear)
 
 
 def test_off_again(render):
