@@ -488,6 +488,13 @@ def test_wif_thickness_and_spacing_set_the_widths(tmp_path):
     assert answers[2][:2] == ("weft", 0)
     (given,) = look_up([(0.3, 0.5)], "--draft", path, "--width", 1, "--gap", 0)
     assert given[2] == pytest.approx(-0.4 / (0.08 / 0.06), abs=1e-12) or given[2] == -0.4
+    # either of them, of either yarn, is enough for the draft's not to count: the other is that of no draft
+    for yarn in ("", "warp-", "weft-"):
+        for option, value in (("width", 0.7), ("gap", 0.5)):
+            alone = look_up(points, "--draft", path, f"--{yarn}{option}", value)
+            both = {f"--{of}{word}": {"width": 1, "gap": 0}[word] for of in ("warp-", "weft-") for word in ("width", "gap")}
+            both |= {f"--{of}{option}": value for of in ([yarn] if yarn else ["warp-", "weft-"])}
+            assert alone == look_up(points, "--draft", path, *(part for pair in both.items() for part in pair)) != answers, (yarn, option)
 
 
 def test_example_drafts():
