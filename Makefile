@@ -66,6 +66,11 @@ endif
 pictures: compare
 	$(PY) setup/pictures.py
 
+# nodes of ours, what their sockets do, the cookbook of POV-Ray (ten minutes of a processor)
+.PHONY: manual-pictures
+manual-pictures: blender povray
+	$(PY) setup/pictures.py manual
+
 # the tables of a page of the manual, which a test holds to what the exporter reads
 .PHONY: supported
 supported:

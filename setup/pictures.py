@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Make README's pictures from what `make compare` left in build/, the swatches from the tool, the rest by rendering."""
+"""Make README's pictures from what `make compare` left in build/, the swatches from the tool, the rest by rendering;
+with `manual` those of the manual: nodes in the editor, what their sockets do, the cookbook of POV-Ray."""
 import os
+import re
+import shlex
 import subprocess
+import sys
 from pathlib import Path
 
 from PIL import Image
@@ -108,6 +112,40 @@ def twins(picture_of=rendered):
     sheet.save(ROOT / "examples" / "twins.jpg", quality=74, optimize=True, progressive=True)
 
 
+def nodes():
+    """examples/nodes: our nodes in the shader editor, which needs a window."""
+    size = "1600", "1100"
+    subprocess.run(["xvfb-run", "-a", "-s", f"-screen 0 {'x'.join(size)}x24", "blender", "--factory-startup", "--window-geometry", "0", "0", *size,
+                    "--addons", "libshade", "-P", ROOT / "examples/blender/nodes/make_pictures.py", "--", ROOT / "examples/nodes"], check=True,
+                   stdout=subprocess.DEVNULL, env={**os.environ, "BLENDER_USER_SCRIPTS": str(ROOT / "build/blender"), "LIBGL_ALWAYS_SOFTWARE": "1"})
+    for path in (ROOT / "examples/nodes").glob("*.png"):
+        Image.open(path).convert("RGB").quantize(128).save(path, optimize=True)
+
+
+def effects():
+    """docs/pictures: what sockets do, by a Blender that denoises."""
+    subprocess.run([ROOT / "build/venv-bpy/bin/python", ROOT / "examples/blender/nodes/make_effects.py", "--", ROOT / "docs/pictures"], check=True,
+                   stdout=subprocess.DEVNULL, env={**os.environ, "BLENDER_USER_SCRIPTS": str(ROOT / "build/blender")})
+
+
+def cookbook():
+    """docs/pictures: each scene of POV-Ray's cookbook, by the command on its top."""
+    for scene in sorted((ROOT / "examples/povray/cookbook").glob("*.pov")):
+        if scene.stem == "costs":
+            continue  # of one ball
+        command = shlex.split(re.search(r"^// +(build/povray/povray .*)", scene.read_text(encoding="utf-8"), re.M)[1])
+        subprocess.run([*command, "-D", "-V"], check=True, cwd=ROOT, stderr=subprocess.DEVNULL)
+        picture = Image.open(ROOT / "build" / f"{scene.stem}.png").convert("RGB")
+        picture.resize((480, 270), Image.LANCZOS).save(ROOT / "docs/pictures" / f"povray-{scene.stem.replace('_', '-')}.jpg", quality=80,
+                                                       optimize=True, progressive=True)
+
+
+def manual():
+    nodes()
+    effects()
+    cookbook()
+
+
 def main():
     swatches()
     blender_sheet()
@@ -120,4 +158,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    manual() if "manual" in sys.argv else main()

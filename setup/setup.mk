@@ -33,6 +33,7 @@ NEEDS_demo := $(NEEDS_compare)
 NEEDS_compare-peers := $(NEEDS_compare) peers
 NEEDS_compare-quick := $(NEEDS_demo)
 NEEDS_pictures := $(NEEDS_compare)
+NEEDS_manual-pictures := $(NEEDS_compare) test
 NEEDS_bench := build
 NEEDS_bench-pairs := build
 NEEDS_bench-frames := $(NEEDS_compare)

@@ -8,7 +8,7 @@
 #include "mdf_fabrics.inc"
 global_settings { assumed_gamma 1 }
 
-camera { location <0, 1.4, -6.2> right 16/9*x up y angle 44 look_at <0, 1.05, 0> }
+camera { location <0, 1.4, -6.7> right 16/9*x up y angle 44 look_at <0, 1.05, 0> }
 light_source { <-5, 6, -6>, rgb 1.1 area_light 2*x, 2*z, 3, 3 adaptive 1 }
 light_source { <6, 3, -4>, rgb .25 shadowless }
 sky_sphere { pigment { rgb .15 } }
