@@ -37,17 +37,18 @@ LEAF real half_cosine(real hx, real hy, real hz) {
 }
 
 /*
- * The BRDFs without Fresnel, from D, h.wo and the cosines about n. D is taken as it is,
- * whichever distribution it comes from; each was published with a D of its own:
- * Ashikhmin-Shirley and the Ward family with theirs, microfacet with one that integrates
- * to 1 with the cosine. Another one scales the albedo by its own integral. The floors keep
- * them finite at grazing, where the reference has the same ones.
+ * The BRDFs without Fresnel, from D, h.wo and the cosines about n.
  *
- * Errors of f, Fresnel and diffuse part included, relative to f + kd, against the reference on
- * the same inputs, exponents to 1e3, cosines from 1e-3 on, h as in mdf.h: double
- * 1e-12; float 4e-5 (warps 1e-4) and 1e-7 (1/cosi + 1/coso), for a float cosine is off by as
- * much: worst at grazing. Ashikhmin and Shirley's with a frame method divides by the larger
- * cosine and keeps to 4e-5. Held by test/test_bsdf.c.
+ * D is taken as it is, whichever distribution it comes from. Each BRDF was published with a D of
+ * its own: Ashikhmin-Shirley and the Ward family with theirs, microfacet with one that integrates
+ * to 1 with the cosine. Another D scales the albedo by its own integral. The floors keep them
+ * finite at grazing, where the reference has the same ones.
+ *
+ * test/test_bsdf.c holds the errors of f against the reference on the same inputs, Fresnel and
+ * diffuse part included, relative to f + kd. These are for exponents to 1e3, cosines from 1e-3 on,
+ * and h as in mdf.h. In double they are 1e-12. In float they are 4e-5 (warps 1e-4) and
+ * 1e-7 (1/cosi + 1/coso), for a float cosine is off by as much, worst at grazing. Ashikhmin and
+ * Shirley's with a frame method divides by the larger cosine and keeps to 4e-5.
  */
 typedef struct angles {
   real hwo, cosi, coso;

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where the half vector lies in the carried distribution, for a perturbed normal n. h need not
- * be unit, except for the warps: only its direction counts. The tangents come from cross
+ * Where the half vector lies in the carried distribution, for a perturbed normal n.
+ *
+ * h need not be unit, except for the warps: only its direction counts. The tangents come from cross
  * products, because 1 - (n.h)^2 and h_y - n_y (n.h) cancel (docs/theory/conventions.md, Detail).
  *
- * Errors of the slopes sqrt(xx) and sqrt(yy) of lobe_at over 1 + t, against the reference on the
- * same inputs, cosine to the carried pole >= 0.05, tilts to 89.9 degrees: float 2e-7, double
- * 4e-16, worst at the largest tilts. The warps (cosine >= 0.5, tilts to 75 degrees): 5e-7, 1.5e-15,
- * worst near their rim. Held by test/test_leaves.c; what becomes of them in D is stated in
- * mdf.h.
+ * test/test_leaves.c holds the errors of the slopes sqrt(xx) and sqrt(yy) of lobe_at over 1 + t,
+ * against the reference on the same inputs. With a cosine to the carried pole >= 0.05 and tilts to
+ * 89.9 degrees they are 2e-7 in float and 4e-16 in double, worst at the largest tilts. For the
+ * warps (cosine >= 0.5, tilts to 75 degrees) they are 5e-7 and 1.5e-15, worst near their rim. mdf.h
+ * states what becomes of them in D.
  */
 #ifndef SHADE_MODEL_DETAIL_H
 #define SHADE_MODEL_DETAIL_H

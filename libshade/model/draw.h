@@ -3,14 +3,14 @@
  * Draws of one sample and the density they are drawn with: that of every lobe of the proposal, of
  * the diffuse part, and of what comes by the mirrors of two facets.
  *
- * The proposal of a material (set up in setup.c): the distribution's own lobe, or the part of it
- * that the eye sees, in the frame of carry.frame, which is a rigid one or a warp; through a warp
- * the density is that of the unmoved lobe times the warp's Jacobian. For `perturb`, whose lobe has
- * no closed integral, three rigid lobes about n: the anisotropic one, the round one of n's own
- * azimuth, the round widest one, which bounds f cos / pdf.
+ * setup.c sets up the proposal of a material. It is the distribution's own lobe, or the part of it
+ * that the eye sees, in the frame of carry.frame, which is a rigid one or a warp. Through a warp
+ * the density is that of the unmoved lobe times the warp's Jacobian. The lobe of `perturb` has no
+ * closed integral. Its proposal is three rigid lobes about n: the anisotropic one, the round one of
+ * n's own azimuth, and the round widest one, which bounds f cos / pdf.
  *
- * Facets with upright mirrors (SHADE_HORIZON_SCHUESSLER) draw by path: the eye sees the bumped
- * facet, or that facet in the mirror; from the bumped facet some light goes on to the mirror.
+ * Facets with upright mirrors (SHADE_HORIZON_SCHUESSLER) draw by path. The eye sees the bumped
+ * facet, or that facet in the mirror. From the bumped facet some light goes on to the mirror.
  */
 #ifndef SHADE_MODEL_DRAW_H
 #define SHADE_MODEL_DRAW_H

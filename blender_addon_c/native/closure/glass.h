@@ -1,19 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A rough interface between air and a clear body: GGX, or `beckmann`'s, exact Fresnel [Walter2007].
- * `ior` and `alpha`, an operand each; `tint`, three, of what is refracted; `normal`; `reflects` and
- * `refracts`, whether it does; only refracting, it has no Fresnel. `joint`: Smith's shadowing of
- * both directions together, Cycles' from 4.0 on, else by itself for each [Heitz2014]. `flat`:
- * Fresnel is that of the surface, as Cycles had it until then, not of its facets. With
- * `film_thickness`, in nm, and `film_ior`, one each, what is reflected is a thin film's
- * (node/interference.h), by colour, and the rest refracted. From inside a body its index counts
- * over the body's, and its thickness as it is, as in Cycles: its colours are those of a film so
- * much thinner. `mirror_tint`, three: head-on what is reflected has this colour, the rest is
- * refracted. `straight`: what would be reflected goes on, mirrored by the surface, as through a
- * thin pane.
+ * A rough interface between air and a clear body: GGX, or `beckmann`'s, with exact Fresnel
+ * [Walter2007].
  *
- * As in Cycles, refraction does not scale radiance by the squared indices: what a ray carries is
- * never more than before, and light that enters a body and leaves it is the same either way.
+ * `ior` and `alpha` are an operand each, and `tint`, three, is the colour of what is refracted.
+ * `reflects` and `refracts` say whether it does. If it refracts only, it has no Fresnel. `joint`
+ * is Smith's shadowing of both directions together, as Cycles has it from 4.0 on. Without it each
+ * direction has its own [Heitz2014]. With `flat` Fresnel is that of the surface and not of its
+ * facets, as Cycles had it until then.
+ *
+ * `film_thickness`, in nm, and `film_ior` are an operand each. With them a thin film reflects
+ * (node/interference.h), by colour, and the rest is refracted. From inside a body the film's index
+ * counts over that of the body, but its thickness stays, as in Cycles: the colours are those of a
+ * film that is so much thinner.
+ *
+ * `mirror_tint`, three, is the colour of what is reflected head-on, and the rest is refracted. With
+ * `straight` what would be reflected goes on, mirrored by the surface, as through a thin pane.
+ *
+ * As in Cycles, refraction does not scale radiance by the squared indices. So a ray never carries
+ * more than before, and light that enters a body and leaves it is the same either way.
  */
 #ifndef LIBSHADE_CLOSURE_GLASS_H
 #define LIBSHADE_CLOSURE_GLASS_H

@@ -3,18 +3,18 @@
  * What a thin film on a body reflects: all that goes back and forth in it, summed by Airy, over
  * the colours that the eye takes for red, green and blue.
  *
- * With a and z, what the film's outer and inner side reflect of an amplitude, and the phase p of a
- * way through it and back, the body reflects
+ * Let a and z be what the film's outer and inner side reflect of an amplitude, and p the phase of a
+ * way through it and back. The body reflects
  *   |(a + z e^ip) / (1 + a z e^ip)|^2 = 1 - (1 - a^2)(1 - |z|^2) / |1 + a z e^ip|^2,
  * and 1 / |1 + a z e^ip|^2 is the sum of 1 and of 2 Re (-a z e^ip)^m, m = 1, 2, ..., by
- * 1 - a^2 |z|^2. p is 2 pi D / wavelength: of each term is left what the eye's curve has at m D,
- * by Fourier's transform [Belcour2017]. Sixteen terms and a fit of the curves are within .01 of a
- * sum over wavelengths, within .02 where light grazes a metal.
+ * 1 - a^2 |z|^2. p is 2 pi D / wavelength. What is left of each term is what the eye's curve has
+ * at m D, by Fourier's transform [Belcour2017]. Sixteen terms and a fit of the curves are near
+ * enough to a sum over wavelengths.
  *
- * Of a metal of a tint at 82 degrees (`film_tint`) Cycles 5.0 takes phases alone from the index:
- * how much of either swing the film's inner side reflects is Schlick's of its reflectance head-on
- * there, less the dip that the tint makes at 82 degrees within the film. That is a lattice of
- * its pictures within .001 in the mean; by the index alone it was .0175.
+ * Of a metal of a tint at 82 degrees (`film_tint`) Cycles 5.0 takes phases alone from the index.
+ * How much of either swing the film's inner side reflects is Schlick's of its reflectance head-on
+ * there, less the dip that the tint makes at 82 degrees within the film. A lattice of Cycles'
+ * pictures shows that. The index alone does not give these pictures.
  */
 #ifndef LIBSHADE_NODE_INTERFERENCE_H
 #define LIBSHADE_NODE_INTERFERENCE_H

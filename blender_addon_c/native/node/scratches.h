@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A field of scratches: `field`, its index in the scene; `at`, two operands, the place on it in
- * metres; `amount`, which its depth is multiplied by.
+ * A field of scratches. `field` is its index in the scene. `at`, two operands, is the place on it
+ * in metres. `amount` multiplies its depth.
  *
- * `what` HEIGHT: writes `out`, the height there in metres and whether that is in a scratch, by the
- * amount up to 1. NORMAL: `near`, four operands, the place `step` further along u and as far along
- * v; `normal`, three, to whose slopes those of the field are added. Writes `out`, a normal in the
- * shading frame; `filtered`: where the ray stands for more than two cells of the field's table,
- * that of the mean slope, and two numbers more, twice the variance of the slopes along the frame's
- * x and y, as node NORMAL_MAP says them. `drawn`: a slope by chance of those there, each ray its
- * own: for what cannot be widened, at the same cost.
+ * `what` is HEIGHT or NORMAL. HEIGHT writes `out`, the height there in metres and whether that is
+ * in a scratch, by the amount up to 1. NORMAL adds the slopes of the field to those of `normal`,
+ * three operands, and writes `out`, a normal in the shading frame. `near`, four operands, is the
+ * place `step` further along u and as far along v.
+ *
+ * With `filtered` the normal is that of the mean slope where the ray stands for more than two cells
+ * of the field's table. Two more numbers are then written, twice the variance of the slopes along
+ * the frame's x and y, as node NORMAL_MAP says them. With `drawn` each ray has its own slope, drawn
+ * of those there. This is for what cannot be widened, at the same cost.
  */
 #ifndef LIBSHADE_NODE_SCRATCHES_H
 #define LIBSHADE_NODE_SCRATCHES_H

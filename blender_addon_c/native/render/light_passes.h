@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Light by the way that it took to the eye, as Cycles sorts it. What the camera sees shine is
- * emission, what it sees behind all is environment, through transparent surfaces too. All other
- * light goes to the kind, matt, shining or through, of the first surface that is not passed, by the
- * shares that the closures of each kind have in what the surface sends to the eye. It is direct
- * where it comes from lights, whether a sample of theirs or a drawn ray found them, and indirect
- * where there are more surfaces on its way. Of these surfaces' colours there are planes as well,
- * and of the mist before all that the camera sees: 1 less what it leaves. Mattes go with it.
+ * Light by the way that it took to the eye, as Cycles sorts it.
  *
- * What is here follows a batch from outside: where no such plane is wanted, nothing is called.
+ * What the camera sees shine is emission, and what it sees behind all is environment, both through
+ * transparent surfaces too. All other light belongs to the first surface that is not passed. It
+ * goes to the kinds matt, shining and through, by the shares that the closures of each kind have in
+ * what the surface sends to the eye. It is direct where it comes from lights, whether a sample of
+ * theirs or a drawn ray found them. It is indirect where there are more surfaces on its way.
+ *
+ * There are planes of the colours of these surfaces as well, and of the mist before all that the
+ * camera sees: 1 less what it leaves. Mattes go with it.
+ *
+ * What is here follows a batch from outside. Where no such plane is wanted, nothing is called.
  */
 #ifndef LIBSHADE_LIGHT_PASSES_H
 #define LIBSHADE_LIGHT_PASSES_H

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Images as the stages read them: planes of two signed 16-bit numbers a texel, each in [-1, 1].
- * A normal map is one plane (x and y of the unit normal, strength applied; z is
- * the positive root), a colour two (2 red - 1 and 2 green - 1; 2 blue - 1 and 2 alpha - 1).
- * 16 bits are as good as float: the displaced plate's error is .0012 with either.
  *
- * A colour of bytes is one plane of four bytes a texel as they are in the file, which are mixed
- * before they are decoded, as in Cycles. A wide one, of which something is beyond [0, 1], is a
+ * A normal map is one plane: x and y of the unit normal, with its strength applied. z is the
+ * positive root. A colour is two planes: 2 red - 1 and 2 green - 1, then 2 blue - 1 and
+ * 2 alpha - 1. 16 bits do as well as float for the displaced plate.
+ *
+ * A colour of bytes is one plane of four bytes a texel as they are in the file. They are mixed
+ * before they are decoded, as in Cycles. A wide colour, of which something is beyond [0, 1], is a
  * plane of floats for each channel, without coarser levels.
  *
- * A colour may have coarser levels, each half as large as the one before down to one texel, a third
- * more memory in all: a texel there is the mean of those that it covers, in linear light.
+ * A colour may have coarser levels, each half as large as the one before, down to one texel. They
+ * take a third more memory in all. A texel there is the mean of those that it covers, in linear
+ * light.
  */
 #ifndef LIBSHADE_TEXTURE_H
 #define LIBSHADE_TEXTURE_H
