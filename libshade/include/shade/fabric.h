@@ -217,7 +217,8 @@ typedef enum shade_fabric_tier {
  * @param n          perturbed normal of the cloth as a whole (folds, a normal map), NULL for none.
  *                   It is carried by groove transport: weft yarns follow dP/du of the surface whose
  *                   normal is n, warp yarns dP/dv, and the yarn's own tilt is applied in that frame
- * @param wi, wo     to the light and to the eye, unit, local frame
+ * @param wi         to the light, unit, local frame
+ * @param wo         to the eye, unit, local frame
  * @param tier       how to evaluate
  * @param s          out: RGB in 1/sr
  * @return status bits: SHADE_CLAMPED_NORMAL; SHADE_BAD_INPUT for non-finite input or wi = -wo (0),
@@ -395,7 +396,8 @@ SHADE_API unsigned shade_fabric_hit_samplef(const shade_fabric *fabric,
  *
  * @param fabric  the fabric
  * @param point   where; NULL: the fabric's own numbers at (0, 0)
- * @param wi, wo  to the light and to the eye, unit, local frame
+ * @param wi      to the light, unit, local frame
+ * @param wo      to the eye, unit, local frame
  * @param tier    how to evaluate
  * @param status  NULL, or where status bits are or-ed into
  * @return the density of wi, per sr

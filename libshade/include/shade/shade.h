@@ -363,7 +363,8 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  *
  * @param b       the material
  * @param n       perturbed normal, unit, local frame
- * @param wi, wo  to the light and to the eye, unit, local frame
+ * @param wi      to the light, unit, local frame
+ * @param wo      to the eye, unit, local frame
  * @param f       out: RGB in 1/sr, without the cosine
  * @param cosine  out, or NULL: n.wi, or wi.z for SHADE_DETAIL_NONE; at least 0
  * @return status bits; SHADE_BAD_INPUT, and 0, for non-finite input or wi = -wo
@@ -629,7 +630,8 @@ SHADE_API unsigned shade_mdf_eval_batchf(const shade_bsdf *b, size_t count, cons
  *
  * @param b       the material
  * @param n       perturbed normal, unit, local frame
- * @param wi, wo  to the light and to the eye, unit, local frame
+ * @param wi      to the light, unit, local frame
+ * @param wo      to the eye, unit, local frame
  * @param status  NULL, or where status bits are or-ed into
  * @return the density of wi, per sr; 0 for non-finite input (SHADE_BAD_INPUT)
  */
