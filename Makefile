@@ -51,7 +51,7 @@ check:
 	$(MAKE) --output-sync=target check-before-pytest
 	$(PY) -m pytest --numprocesses $$(( $(JOBS) + 1 )) --dist loadfile --no-loadscope-reorder --durations 20
 .PHONY: check-before-pytest smoke
-check-before-pytest: povray setup-test setup-demo all blender native $(B)/horizon $(B)/displaced lint $(CHECKS)
+check-before-pytest: povray setup-test setup-demo all blender native $(MEASURED) lint $(CHECKS)
 ifneq ($(filter check-before-pytest,$(MAKECMDGOALS)),)
 lint: | $(S)/lint.packages
 $(NATIVE)/test_stages $(TESTS) $(CHECKS): | $(S)/test.packages

@@ -233,7 +233,7 @@ def explained(rows):
     failed = atlas_regions.regions(rows)
     nameless = [region for region in failed if region.explained is None]
     return Finding(
-        f"{len(failed)} regions fail. Each has a name, a reason and a command, in the table"
+        f"Of {len(failed)} regions that fail {sum(region.default for region in failed)} concern defaults. Each has a name, a reason and a command, in the table"
         + (f", but for {nameless[0].label}: {nameless[0].failure}." if nameless else "."),
         failed and not nameless, "regions")
 

@@ -32,6 +32,8 @@ FAILS = {
     "fibre nan": ("fibre", lambda r: r["nan"] * 1.0, 0.5, "NaN"),
 }
 NANS = ("nan", "off", "fibre nan", "wide nan")  # failures whose rows have no number
+# what is there from the start, in forms and in its rounding
+DEFAULTS, HORIZON = ("rotate", "ward_half_rotate", "beckmann_rotate", "ggx_rotate", "float"), "valid_estevez"
 # columns of a row that say where it fails most begin so, where it has several worst places
 PREFIX = {"weights": "spread_", "narrow weights": "spread_", "peak": "displaced_", "wide nan": "nan_",
           **{f"{which} {what}": f"{what}_" for which in ("light", "eye", "narrow") for what in ("asymmetry", "jump")}}
@@ -163,6 +165,11 @@ class Region:
     failure: str
     rows: tuple
     worst: dict
+
+    @property
+    def default(self):
+        """Whether what is set from the start meets it: rotate, of any distribution, under valid_estevez where a horizon counts."""
+        return any(row["form"] in DEFAULTS and row.get("horizon", HORIZON) == HORIZON for row in self.rows)
 
     @property
     def map(self):

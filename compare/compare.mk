@@ -3,6 +3,7 @@
 # adds the truth by displacement and the speed beside Cycles.
 DEMO := $(B)/demo
 COMPARE := $(wildcard compare/*.py)
+MEASURED := $(B)/horizon $(B)/displaced $(B)/plain.so
 RENDERERS := $(BLENDER_READY) $(POVRAY) $(B)/shade
 BLENDER ?= blender
 export BLENDER
@@ -39,6 +40,11 @@ $(B)/displaced: $(wildcard compare/displaced/*.c compare/displaced/*.h) $(B)/lib
 	$(call say,compile  ,$@)
 	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $(filter-out %.h,$^) -lm -o $@
 
+# the same formulas in plain C, timed beside the library
+$(B)/plain.so: compare/plain.c
+	$(call say,compile  ,$@)
+	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) $(CFLAGS) -shared -fPIC $< -lm -o $@
+
 # scenes of Debian's and PyPI's packages in our engine and in Cycles; FILES="--filter 'openshot' --count 5"
 compare-files: $(B)/libshade-blender.zip $(VENV_BPY)/done
 	@$(PY) compare/real_files.py $(FILES)
@@ -51,7 +57,7 @@ bench-povray: povray setup-test
 # The report: build/compare/report.html and the CSV files beside it. The quick one, two minutes on two idle
 # cores, is build/compare/quick/report.html; what is done already is not done again.
 .PHONY: compare-quick
-compare-quick: $(RENDERERS) all $(B)/horizon $(B)/displaced
+compare-quick: $(RENDERERS) all $(MEASURED)
 	@$(PY) compare/report_page.py --quick
 
 # The same plate in Cycles of 3.4 and 5.0 and in Mitsuba 3, beside ours: a section of the report of its own
@@ -61,18 +67,20 @@ compare-peers: $(B)/libshade-blender.zip all
 
 # Each judge is heard, and the report written, whether or not one before found something beyond its limits;
 # that is then said last. One that found nothing is not asked again until a program or a script changes.
-JUDGES := truth.py "truth.py --surface scratches" "truth.py --light sky" slopes.py horizon.py fabric.py speed.py paths.py
+# --results: what is found stands in docs/results/ and in README.md.
+JUDGES := "truth.py --results" "truth.py --surface scratches" "truth.py --light sky --results" slopes.py \
+  "horizon.py --results" fabric.py "speed.py --results" "paths.py --results"
 JUDGED := $(B)/compare/judged
-compare: demo $(B)/libshade-blender.zip $(B)/horizon $(B)/displaced
+compare: demo $(B)/libshade-blender.zip $(MEASURED)
 	@echo "Judges first, each with its own progress; then the report:"; $(PY) compare/report_page.py --plan
-	@missed=; mkdir -p $(JUDGED); for judge in $(JUDGES) report_page.py; do \
+	@missed=; mkdir -p $(JUDGED); for judge in $(JUDGES) "report_page.py --results"; do \
 	  mark="$(JUDGED)/$$(echo "$$judge" | tr ' ' _)"; \
-	  if [ -f "$$mark" ] && [ -z "$$(find $(RENDERERS) $(COMPARE) $(B)/horizon $(B)/displaced -newer "$$mark")" ]; then \
+	  if [ -f "$$mark" ] && [ -z "$$(find $(RENDERERS) $(COMPARE) $(MEASURED) -newer "$$mark")" ]; then \
 	    echo "compare/$$judge: within limits, as found before"; continue; \
 	  fi; \
 	  rm -f "$$mark"; touch "$$mark.begun"; \
 	  $(PY) compare/$$judge || { [ $$? -eq 130 ] && exit 130; missed="$$missed compare/$$judge;"; continue; }; \
-	  [ "$$judge" = report_page.py ] || mv "$$mark.begun" "$$mark"; \
+	  [ "$${judge%% *}" = report_page.py ] || mv "$$mark.begun" "$$mark"; \
 	done; \
 	[ -z "$$missed" ] || { echo "make compare: not within limits, or failed:$$missed see above" >&2; exit 1; }
 

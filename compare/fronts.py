@@ -129,8 +129,7 @@ def chart(axes, points, title, error_label, floor=0.0, time_label="ns a sample, 
         y_bars = None if p.low is None or p.error <= floor else [[max(y - p.low, 0)], [max(p.high - y, 0)]]
         axes.errorbar(p.ns, y, xerr=[[p.ns - low], [high - p.ns]], yerr=y_bars, zorder=3, **look.bars)
     xs, ys = [p.ns for p in points], list(at.values())
-    ys += [min(p.high, 1.6 * max(ys)) for p in points if p.high and p.error > floor]
-    ys += [max(p.low, p.error / 2.5) for p in points if p.low and p.error > floor]
+    ys += [end for p in points if p.error > floor for end in (p.low, p.high) if end]  # bars stay within the frame
     wide, high = max(xs) / min(xs), max(ys) / min(ys)
     axes.set_xlim(min(xs) / (1.25 * wide**0.06), max(xs) * 1.5 * wide**0.1)
     axes.set_ylim(min(ys) / (1.3 * high**0.07), max(ys) * 1.4 * high**0.07)

@@ -22,6 +22,7 @@ import numpy as np
 
 import programs
 import report
+import results
 import truth
 import whole
 
@@ -45,6 +46,7 @@ def arguments(argv=None):
     parser.add_argument("--points", type=int, default=64, help="along a side (default 64)")
     parser.add_argument("--azimuths", type=int, default=5,
                         help="of light and eye, at each elevation (default 5)")
+    parser.add_argument("--results", action="store_true", help="rewrite docs/results/, as make compare does")
     parser.add_argument("--output", type=Path, default=programs.BUILD / "compare" / "horizon",
                         help="folder for results (default build/compare/horizon)")
     return parser.parse_args(argv)
@@ -141,6 +143,9 @@ def main(argv=None):
         ["error against displaced bumps", "region", *lines[0][3]],
         [[f"{name}: {MATERIALS[material]}", region, *(f"{e:.3f}" for e in found.values())]
          for name, material, region, found in lines]))
+    if options.results:
+        results.write("horizons", results.surroundings("make compare"), ["error of the", "of", "where", *(f"`{c}`" for c in lines[0][3])],
+                      [[name, MATERIALS[material], region, *found.values()] for name, material, region, found in lines])
     once, twice = (np.sum([row[key] for row in pick(rows, horizon="hard")])
                    for key in ("truth", "truth_twice"))
     print(f"\nThe truth is light reflected once; a second reflection would add "

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report as one HTML file that needs no other: findings first, then each study."""
+"""The report as HTML files that need no others: what to use first, then each study, then all numbers; the atlas by itself."""
 import html as escaping
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import style
 
+LEAD = ("speed", "choice")  # study and figure that stand beside the answers
+MOST = 6000  # words before the appendix
 PARTS = Path(__file__).resolve().parent / "page"
 QUICK = ("This is the quick report: fewer methods, angles and runs than `make compare` takes, "
          "and no more than one small picture of each renderer.")
@@ -15,8 +17,9 @@ QUICK = ("This is the quick report: fewer methods, angles and runs than `make co
 
 @dataclass(frozen=True)
 class Section:
-    """What the page shows of a study. commands: {command: keys of what it makes}; left: how many
-    findings about times it does not tell."""
+    """What the page shows of a study. commands: {command: keys of what it makes}; left: how many findings about times it does
+    not tell; topic, answers: its lines of the first table; apart: it has a page of its own, where the report says no more than
+    its last finding."""
 
     name: str
     title: str
@@ -27,6 +30,9 @@ class Section:
     commands: Mapping
     count: int
     left: int = 0
+    topic: str = ""
+    answers: Sequence = ()
+    apart: bool = False
 
 
 def left_out(count):
@@ -48,28 +54,28 @@ def anchor(section, part):
 
 
 def numbered(sections):
-    """{anchor: "Figure 3"} of all figures and tables, counted through the page."""
+    """{anchor: "Figure 3"} of all figures and tables, counted through the page as they stand there."""
     names = {}
     for word, parts in (("Figure", "figures"), ("Table", "tables")):
-        count = 0
-        for section in sections:
-            for part in getattr(section, parts):
-                name = anchor(section, part)
-                if name in names:
-                    raise ValueError(f"study {section.name}: two parts are called '{part.id}'")
-                count += 1
-                names[name] = f"{word} {count}"
+        found = [(section, part) for section in sections for part in getattr(section, parts)]
+        found.sort(key=lambda of: (of[0].name, of[1].id) != LEAD)
+        for count, (section, part) in enumerate(found, 1):
+            name = anchor(section, part)
+            if name in names:
+                raise ValueError(f"study {section.name}: two parts are called '{part.id}'")
+            names[name] = f"{word} {count}"
     return names
 
 
-def cell(value):
-    """One <td>, with what it is sorted by."""
+def cell(value, head):
+    """One <td>, with what it is sorted by, and its column's head, which stands beside it on a phone."""
     if value is None or value == "":
         return "<td></td>"
+    beside = f'data-head="{attribute(head)}"'
     if isinstance(value, str):
-        return f"<td{' class=short' if len(value) < 28 else ''}>{text(value)}</td>"
+        return f"<td {beside}{' class=short' if len(value) < 20 else ''}>{text(value)}</td>"
     shown = str(value) if isinstance(value, int) else style.number(value)
-    return f'<td class="number" data-value="{float(value)!r}">{shown}</td>'
+    return f'<td class="number" {beside} data-value="{float(value)!r}">{shown}</td>'
 
 
 def table(section, part, names):
@@ -82,7 +88,7 @@ def table(section, part, names):
         f'<th scope="col"{" class=number" if is_number else ""}><button type="button">{text(column)}'
         "<span aria-hidden=true></span></button></th>"
         for column, is_number in zip(part.columns, numeric))
-    body = "\n".join("<tr>" + "".join(map(cell, row)) + "</tr>" for row in part.rows)
+    body = "\n".join("<tr>" + "".join(map(cell, row, part.columns)) + "</tr>" for row in part.rows)
     name = anchor(section, part)
     return f"""<div class="table" id="{name}">
 <p class="caption" id="{name}-caption"><b>{names[name]}.</b> <strong>{text(part.title)}</strong> {text(part.caption)}</p>
@@ -127,38 +133,76 @@ All of this section: <code>{whole}</code></p>
 
 
 def study(section, names):
-    parts = [figure(section, part, names) for part in section.figures]
-    parts += [table(section, part, names) for part in section.tables]
+    if section.apart:
+        return f"""<section id="{section.name}">
+<h2>{text(section.title)}</h2>
+<p class="intro">{text(section.findings[-1].text) if section.findings else ""}
+<a href="{section.name}.html">Maps, findings and reasons</a></p>
+</section>"""
+    parts = [figure(section, part, names) for part in section.figures if (section.name, part.id) != LEAD]
+    lines = "\n".join(sentence(section, finding, names) for finding in section.findings)
     return f"""<section id="{section.name}">
 <h2>{text(section.title)}</h2>
 <p class="intro">{text(section.intro)}</p>
+<ul class="findings">
+{lines}
+</ul>
 {chr(10).join(parts)}
-{remake(section)}
 </section>"""
 
 
-def findings(sections, names):
-    groups = []
-    for section in sections:
-        if section.findings:
-            lines = "\n".join(sentence(section, finding, names) for finding in section.findings)
-            groups.append(f'<div class="group"><h3><a href="#{section.name}">{text(section.title)}</a>'
-                          f"</h3>\n<ul>\n{lines}\n</ul></div>")
-    left = sum(section.left for section in sections)
-    if left:
-        groups.append(f'<p class="note">{left_out(left)}</p>')
-    return "\n".join(groups)
+def numbers(section, names):
+    """A study's part of the appendix."""
+    return f"""<div id="{section.name}-appendix">
+<h3 class="of">{text(section.title)}</h3>
+{chr(10).join(table(section, part, names) for part in section.tables)}
+{remake(section)}
+</div>"""
 
 
-def html(sections, head, quick):
-    """The page. sections: Section; head: {word: text}, what was measured where."""
-    names = numbered(sections)
-    contents = "\n".join(f'<li><a href="#{s.name}">{text(s.title)}</a></li>' for s in sections)
+def answers(sections, names):
+    """The first screen: what to use, and the chart of speed against accuracy."""
+    lines = [(section, answer) for section in sections for answer in section.answers]
+    if not lines:
+        return ""
+    heads = ("If your surface …", "use", "costs", "fails where")
+    body = []
+    for section, answer in lines:
+        use = f'<a href="#{section.name}">{text(section.topic)}</a> {text(answer.use)}'
+        body.append(f'<tr><td>{text(answer.surface)}</td><td data-head="use">{use}</td><td data-head="costs">{text(answer.costs)}</td>'
+                    f'<td data-head="fails where">{text(answer.fails)}</td></tr>')
+    lead = [figure(section, part, names) for section in sections for part in section.figures if (section.name, part.id) == LEAD]
+    return f"""<section id="answers">
+<h2>What to use</h2>
+<div class="scroll"><table class="answers">
+<thead><tr>{"".join(f'<th scope="col">{head}</th>' for head in heads)}</tr></thead>
+<tbody>
+{chr(10).join(body)}
+</tbody></table></div>
+{chr(10).join(lead)}
+</section>"""
+
+
+def words(page):
+    """Of the page's main part before the appendix, those of its charts among them."""
+    main = page.split("<main>")[1].split("</main>")[0].split('<section id="appendix">')[0]
+    return len(escaping.unescape(re.sub(r"<[^>]*>", " ", main)).split())
+
+
+def html(sections, head, quick, alone=False):
+    """The page. sections: Section; head: {word: text}, what was measured where; alone: that of one study, of its own."""
+    names = numbered([section for section in sections if alone or not section.apart])
+    told = [replace(section, apart=False) for section in sections] if alone else sections
+    listed = [*([("answers", "What to use")] if any(s.answers for s in told) else []), *((s.name, s.title) for s in told),
+              ("appendix", "Appendix: all numbers")]
+    contents = "\n".join(f'<li><a href="#{name}">{text(title)}</a></li>' for name, title in listed)
     facts = "\n".join(f"<div><dt>{word}</dt><dd>{text(said)}</dd></div>"
                       for word, said in head.items() if word != "command")
+    left = sum(section.left for section in sections)
     css = (PARTS / "page.css").read_text(encoding="utf-8")
     script = (PARTS / "page.js").read_text(encoding="utf-8")
-    return f"""<!DOCTYPE html>
+    title = told[0].title if alone else "Speed, accuracy, and where methods fail"
+    made = f"""<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
@@ -170,36 +214,40 @@ def html(sections, head, quick):
 {css}</style>
 </head>
 <body>
-<a class="skip" href="#findings">To the findings</a>
+<a class="skip" href="#{listed[0][0]}">To the {'answers' if listed[0][0] == 'answers' else 'text'}</a>
 <header>
-<p class="kicker">libshade · {'quick report' if quick else 'report'}</p>
-<h1>Speed, accuracy, and where methods fail</h1>
-<p class="lead">How well each way to carry a normal's detail, to round, to fade at the horizon, to stand for
-cloth and maps from afar follows the truth, and what it costs. Every number here was computed by the run
-that wrote this page, and every sentence of the findings was tested against the tables when it was written.</p>
+<p class="kicker">libshade · {'<a href="report.html">report</a>' if alone else 'quick report' if quick else 'report'}</p>
+<h1>{text(title)}</h1>
+</header>
+<div class="columns">
+<nav aria-label="Contents"><details open><summary>Contents</summary>
+<ol>{contents}</ol></details></nav>
+<main>
+{'' if alone else answers(told, names)}
+{chr(10).join(study(section, names) for section in told)}
+<section id="appendix">
+<h2>Appendix: all numbers</h2>
+{chr(10).join(numbers(section, names) for section in told if not section.apart)}
+</section>
+</main>
+</div>
+<p id="said" role="status" class="unseen"></p>
+<footer>
+<p>Every number here was computed by the run that wrote this page, and every sentence was tested against its tables.
+Bars span the middle half of what was seen in repeated runs, unless a caption says otherwise.
+Colours are those of Okabe and Ito; a method keeps its colour and its marker through the page.</p>
 {f'<p class="note">{text(QUICK)}</p>' if quick else ''}
+{f'<p class="note">{left_out(left)}</p>' if left else ''}
 <dl class="facts">
 {facts}
 <div><dt>made by</dt><dd><code>{text(head['command'])}</code></dd></div>
 </dl>
-</header>
-<div class="columns">
-<nav aria-label="Contents"><details open><summary>Contents</summary>
-<ol><li><a href="#findings">Findings</a></li>
-{contents}</ol></details></nav>
-<main>
-<section id="findings">
-<h2>Findings</h2>
-{findings(sections, names)}
-</section>
-{chr(10).join(study(section, names) for section in sections)}
-</main>
-</div>
-<p id="said" role="status" class="unseen"></p>
-<footer><p>Bars span the middle half of what was seen in repeated runs, unless a caption says otherwise.
-Colours are those of Okabe and Ito; a method keeps its colour and its marker through the page.</p></footer>
+</footer>
 <script>
 {script}</script>
 </body>
 </html>
 """
+    if not alone and words(made) > MOST:
+        raise ValueError(f"the report has {words(made)} words before its appendix: expected {MOST} at most")
+    return made

@@ -19,7 +19,7 @@ import numpy as np
 import pictures
 import programs
 import report
-import speed
+import results
 import whole
 
 ENGINES = {"Cycles": "CYCLES", "libshade": "LIBSHADE"}
@@ -37,6 +37,7 @@ def arguments(argv=None):
                         help="this one alone (default both)")
     parser.add_argument("--limit", type=float, default=0.02,
                         help="largest difference of the engines' pictures (default .02)")
+    parser.add_argument("--results", action="store_true", help="rewrite docs/results/, as make compare does")
     parser.add_argument("--output", type=Path, default=programs.BUILD / "compare" / "paths",
                         help="folder for results (default build/compare/paths)")
     options = parser.parse_args(argv)
@@ -79,6 +80,7 @@ def blocks(picture, side=4):
 
 def main(argv=None):
     options = arguments(argv)
+    head = results.surroundings("make compare")
     folder = options.output = options.output.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     pictures.write_float(folder / "sky.exr", studio())
@@ -95,7 +97,7 @@ def main(argv=None):
                 folder / "blender.log", programs.ADD_ON)
     result = json.loads((folder / "seconds.json").read_text(encoding="utf-8"))
     seconds = {job["output"]: time for job, time in zip(jobs, result["seconds"])}
-    rows, good = [], True
+    rows, kept, good = [], [], True
     for scene in options.scene:
         many = {}
         for name in ENGINES:
@@ -106,17 +108,22 @@ def main(argv=None):
             rows.append([f"{scene}, {name}", f"{taken:.2f}",
                          f"{options.size**2 * options.samples / taken / 1e6:.2f}", f"{error:.4f}",
                          f"{error * options.samples:.2f}", f"{taken * error / 1e-3:.1f}"])
+            kept.append([scene, name, taken, options.size**2 * options.samples / taken / 1e6, error, taken * error / 1e-3, None])
         pair = blocks(many["libshade"]), blocks(many["Cycles"])
         apart = pictures.relative_difference(*pair)
+        kept[-1][-1] = apart
         mean = pair[0].mean() / pair[1].mean() - 1.0
         good &= apart <= options.limit
         rows.append([f"{scene}, libshade beside Cycles", "", "", "", f"{100 * mean:+.2f} %",
                      f"{apart:.4f}"])
         pictures.write_png(folder / f"{scene}.png", np.concatenate(list(many.values()), axis=1))
     print(f"\nBlender {result['blender']}, {options.size} x {options.size}, {options.samples} samples "
-          f"against {options.reference}; {speed.machine()}\n")
+          f"against {options.reference}; {head['machine']}; {head['compiler']}\n")
     print(report.table(["", "seconds", "M samples/s", "relMSE", "relMSE x samples", "s to .001"], rows))
     print("\nThe last two numbers of `beside`: brightness, and relative difference of 4 x 4 blocks.")
+    if options.results:
+        results.write("paths", head, ["scene", "renderer", "seconds", "million samples a second", "relMSE",
+                                      "seconds to a relMSE of .001", "difference of the pictures"], kept)
     if not good:
         print(f"The engines' pictures differ by more than {options.limit}.")
     return 0 if good else 1

@@ -1,10 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables in plain text, and words about progress."""
+"""Numbers and tables in plain text, and words about progress."""
+import math
 import os
 import re
 import subprocess
 import sys
 import time
+
+
+_RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+
+def power(value):
+    """A number as an axis says it: 0.05, 2, 300, 10⁻⁶."""
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
+        return f"{value:g}"
+    digits, exponent = f"{value:.0e}".split("e")
+    raised = "10" + str(int(exponent)).translate(_RAISED)
+    return raised if digits == "1" else f"{digits}·{raised}"
+
+
+def rounded(value):
+    """A number to one digit: 0.003, 2·10⁻⁷."""
+    return power(float(f"{value:.0e}"))
+
+
+def number(value):
+    """A number as a table says it: three digits, and powers of ten where there are many zeros."""
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
+        digits = max(2 - math.floor(math.log10(abs(value))), 0) if value else 0
+        return f"{value:.{min(digits, 5)}f}"
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return f"{mantissa}·10" + str(int(exponent)).translate(_RAISED)
 
 
 def table(titles, rows):

@@ -11,20 +11,18 @@ that run; else the sentences that do not are printed, and the exit status is 1.
 import argparse
 import ast
 import csv
-import datetime
 import hashlib
 import importlib
 import numbers
-import os
-import platform
 import re
-import subprocess
 import sys
 from pathlib import Path
 
+import answers
 import page
 import programs
 import report
+import results
 import whole
 
 ORDER = ("speed", "precision", "horizons", "diffuse", "lobes", "cloth", "frames", "atlas", "truth",
@@ -51,10 +49,13 @@ def arguments(argv=None):
     parser.add_argument("--again", action="store_true", help="do what is done already again")
     parser.add_argument("--plan", action="store_true",
                         help="say what would be done and how long it takes, no more")
+    parser.add_argument("--results", action="store_true", help="rewrite docs/results/, as make compare does")
     parser.add_argument("--output", type=Path,
                         help="folder of report.html and data/ (default build/compare, or "
                              "build/compare/quick)")
     options = parser.parse_args(argv)
+    if options.quick and options.results:
+        parser.error("--results: the quick report is too rough for docs/results/")
     options.studies = known()
     for name in options.only or ():
         if name not in options.studies:
@@ -73,7 +74,8 @@ def arguments(argv=None):
 # ---- what rows depend on ----------------------------------------------------------------------
 
 
-DRAW = ("page", "style", "study", "report", "report_page", "atlas_charts", "detail_speed_page")  # no rows
+APART = ("atlas",)  # studies with a page of their own
+DRAW = ("page", "answers", "style", "study", "report", "results", "report_page", "atlas_charts", "detail_speed_page")  # no rows
 
 
 def sources(path, found=None):
@@ -101,32 +103,6 @@ def stamp(module, task, quick, head):
     for path in (Path(programs.SHADE), *library, *map(Path, task.needs)):
         digest.update(path.read_bytes() if path.is_file() else b"absent")
     return digest.hexdigest()[:24]
-
-
-def first_line(command):
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=programs.ROOT)
-    except OSError:
-        return ""
-    return done.stdout.splitlines()[0].strip() if done.returncode == 0 and done.stdout else ""
-
-
-def surroundings(options):
-    """What the head of each CSV and of the page says: {word: text}."""
-    cpu = Path("/proc/cpuinfo")
-    model = re.search(r"model name\s*:\s*(.*)", cpu.read_text(encoding="utf-8")) if cpu.exists() else None
-    commit = first_line(["git", "rev-parse", "--short=12", "HEAD"]) or "unknown"
-    if first_line(["git", "status", "--porcelain", "--untracked-files=no"]):
-        commit += ", changed"
-    isa = re.search(r"\((.*?)\)|\b(avx512|avx2|sse2|scalar)\b", first_line([programs.SHADE, "--version"]))
-    return {
-        "machine": f"{model[1] if model else platform.processor() or platform.machine()}, "
-                   f"{os.cpu_count()} cores" + (f", {isa[0].strip('()')}" if isa else ""),
-        "compiler": first_line([os.environ.get("CC", "cc"), "--version"]) or "unknown",
-        "commit": commit,
-        "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC"),
-        "command": f"make {'compare-quick' if options.quick else 'compare'}",
-    }
 
 
 # ---- rows in files ----------------------------------------------------------------------------
@@ -258,7 +234,7 @@ def gather(options, pieces, head):
         wrong += [f"study {name}: does not hold for data/{name}.csv: \"{finding.text}\""
                   for finding in told if not finding.holds]
         sections.append(page.Section(name, module.TITLE, module.INTRO, told, module.figures(rows),
-                                     module.tables(rows), commands, len(rows), left))
+                                     module.tables(rows), commands, len(rows), left, *answers.of(name, rows), name in APART))
     if wrong:
         raise ValueError("no page, since findings do not hold:\n  " + "\n  ".join(wrong))
     return sections
@@ -266,7 +242,7 @@ def gather(options, pieces, head):
 
 def main(argv=None):
     options = arguments(argv)
-    head = surroundings(options)
+    head = results.surroundings(f"make {'compare-quick' if options.quick else 'compare'}")
     pieces = plan(options, head)
     say_plan(pieces)
     if options.plan:
@@ -281,6 +257,11 @@ def main(argv=None):
         print(page.left_out(left), file=sys.stderr)
     target = options.output / "report.html"
     whole.write_text(target, page.html(sections, head, options.quick))
+    for section in sections:
+        if section.apart:
+            whole.write_text(options.output / f"{section.name}.html", page.html([section], head, options.quick, alone=True))
+    for section in sections if options.results else ():
+        results.write_tables(section.name, section.tables, head)
     print(f"The report: {target}")
     return 0
 

@@ -8,16 +8,14 @@ Prints the ratio; this is a measurement, not a test.
 """
 import argparse
 import json
-import os
-import platform
 import re
-import subprocess
 from pathlib import Path
 
 import pictures
 import plate
 import programs
 import report
+import results
 import whole
 
 
@@ -28,22 +26,15 @@ def arguments(argv=None):
     parser.add_argument("--size", type=int, default=512, help="pixels along a side (default 512)")
     parser.add_argument("--samples", type=int, default=64, help="per pixel (default 64)")
     parser.add_argument("--repeat", type=int, default=3, help="renders of each (default 3)")
+    parser.add_argument("--results", action="store_true", help="rewrite docs/results/, as make compare does")
     parser.add_argument("--output", type=Path, default=programs.BUILD / "compare" / "speed",
                         help="folder for results (default build/compare/speed)")
     return parser.parse_args(argv)
 
 
-def machine():
-    """Name of the processor, number of cores, and the compiler."""
-    text = Path("/proc/cpuinfo").read_text(encoding="utf-8") if Path("/proc/cpuinfo").exists() else ""
-    model = re.search(r"model name\s*:\s*(.*)", text)
-    compiler = subprocess.run(["gcc", "--version"], capture_output=True, text=True, check=False)
-    return (f"{model.group(1) if model else platform.processor()}, "
-            f"{os.cpu_count()} cores; {compiler.stdout.splitlines()[0]}")
-
-
 def main(argv=None):
     options = arguments(argv)
+    head = results.surroundings("make compare")
     folder = options.output = options.output.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     pictures.write_float(folder / "normals.exr", plate.normal_map(2048))
@@ -70,8 +61,11 @@ def main(argv=None):
     rows.append(["best", *(f"{t:.3f}" for t in best), f"{best[0] / best[1]:.1f}"])
     rows.append(["million samples/s", *(f"{samples / t / 1e6:.1f}" for t in best), ""])
     print(f"\nBlender {result['blender']}, {options.size} x {options.size}, "
-          f"{options.samples} samples; {machine()}\n")
+          f"{options.samples} samples; {head['machine']}; {head['compiler']}\n")
     print(report.table(["seconds", *seconds, "ratio"], rows))
+    if options.results:
+        results.write("plate-time", head, ["renderer", "seconds", "million samples a second"],
+                      [[name, time, samples / time / 1e6] for name, time in zip(jobs, best)])
     stages = re.findall(r"libshade: (sync .*)", output)
     if stages:
         print("\nOur stages, first and last render:")

@@ -267,7 +267,7 @@ def tables(rows):
     listed = []
     for region in atlas_regions.regions(rows):
         name, why, instead = region.explained or ("unexplained", "", "")
-        listed.append([name, region.label, region.where(), atlas_regions.FAILS[region.failure][3],
+        listed.append([name, region.label, "yes" if region.default else "", region.where(), atlas_regions.FAILS[region.failure][3],
                        None if region.failure in atlas_regions.NANS else region.value,
                        f"{why}. The library: {instead}", region.place()])
     def steps(group, what, stays):
@@ -281,10 +281,10 @@ def tables(rows):
     distances = sorted({r["distance"] for r in of(rows, "jump")}, reverse=True)
     return [
         Table("regions", "All regions that fail",
-              "Where each is, the value at its worst, the formula's reason, and what the library does there. "
+              "Whether `rotate` under `valid_estevez` meets it, where it is, the value at its worst, the formula's reason, and what the library does there. "
               "`build/venv/bin/python compare/study_atlas.py --at` and the words of the last column print the worst "
               "sample: the printed formula, the library, the reference, the truth.",
-              ["region", "form", "where", "measure", "at its worst", "why, and instead", "--at"], listed),
+              ["region", "form", "default", "where", "measure", "at its worst", "why, and instead", "--at"], listed),
         Table("jumps", "Jumps",
               "Difference between two directions as they come together: of D′ in parts of the peak; of `rotate`'s f cos, "
               "across the surface's horizon for the light and n's for the eye, in parts of what it is 20° above.",

@@ -5,12 +5,15 @@ The truth is worked out here, with numpy, and shares no code with libshade: the 
 n carries the distribution along its own dP/du, and the error is the total variation
 1/2 int |D' - D_true| dh over the half vectors above the horizon. D' comes from the library.
 """
+import ctypes
 import math
+import time
 
 import numpy as np
 
 import fronts
-import programs  # noqa: F401  (finds the module)
+import programs
+import report
 import shade
 from detail_speed_page import figures, findings, tables  # noqa: F401  (of the study)
 from study import Task
@@ -115,6 +118,46 @@ def speed(mdf, runs):
     return run
 
 
+PLAIN = programs.BUILD / "plain.so"
+ARRAY = 2048  # samples, in cache as those of `shade bench`
+
+
+def plain(mdf, runs):
+    """The same D by compare/plain.c, one sample after the other: -O2 and libm."""
+    def run(_folder, _say):
+        if not PLAIN.is_file():
+            raise report.StepFailed(f"{PLAIN}: no such file; run make build/plain.so")
+        call = ctypes.CDLL(str(PLAIN)).plain_D
+        random = np.random.default_rng(5)
+        n, h = (within(random) for _ in range(2))
+        made = np.empty(ARRAY, np.float32)
+        given = [ctypes.c_int(MDFS.index(mdf)), ctypes.c_size_t(ARRAY), ctypes.c_float(EX), ctypes.c_float(EY),
+                 *(ctypes.c_void_p(a.ctypes.data) for a in (n, h, made))]
+        call(*given)
+        true = np.array([displaced(mdf, normal, half[None], EX, EY)[0] for normal, half in zip(n.astype(float), h.astype(float))])
+        off = float(np.abs(made - true).max() / true.max())
+        if off > 1e-4:
+            raise ValueError(f"compare/plain.c: D of {mdf} is {off} of its peak off")
+        rows = []
+        for number in range(runs):
+            best = 1e30
+            for _ in range(60):
+                begun = time.perf_counter()
+                call(*given)
+                best = min(best, time.perf_counter() - begun)
+            rows.append({"kind": "speed", "method": "rotate_plain", "distribution": mdf, "precision": "float", "isa": "plain C",
+                         "run": number, "ns": 1e9 * best / ARRAY, "rounding": off})
+        return rows
+    return run
+
+
+def within(random):
+    """Directions within 60 degrees of z, float32."""
+    z, phi = 1 - 0.5 * random.random(ARRAY), 2 * np.pi * random.random(ARRAY)
+    side = np.sqrt(1 - z * z)
+    return np.ascontiguousarray(np.stack([side * np.cos(phi), side * np.sin(phi), z], -1), np.float32)
+
+
 def tasks(quick):
     mdfs = ("ashikhmin_shirley", "ggx") if quick else MDFS
     tilts = QUICK_TILTS if quick else TILTS
@@ -123,6 +166,7 @@ def tasks(quick):
     for mdf in mdfs:
         made.append(Task(f"speed-{mdf}", 0.3 * runs, speed(mdf, runs),
                          fronts.command(["--what", "D", "--mdf", mdf.replace("_", "-"), "--set", "cache"])))
+        made.append(Task(f"plain-{mdf}", 0.1 * runs, plain(mdf, runs), needs=(PLAIN,)))
         made += [Task(f"error-{mdf}-{tilt}", 1.5 if quick else 6, errors(mdf, tilt, azimuths, fine))
                  for tilt in tilts]
     return made

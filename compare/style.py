@@ -23,6 +23,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from report import number, power, rounded  # noqa: F401  (of drawings, too)
+
 os.environ.setdefault("MPLCONFIGDIR",
                       os.path.join(tempfile.gettempdir(), f"libshade-plots-{os.getuid()}"))
 import matplotlib  # noqa: E402  (after its folder is set)
@@ -79,6 +81,7 @@ LOOKS = {word: Look(colour, marker, word.replace("_", " ") if not label else lab
     ("rotate", BLUE, "o", "", False),
     ("rotate_approximate", BLUE, "o", "rotate, approximate", True),
     ("rotate_literal", BLUE, "P", "rotate, as printed", True),
+    ("rotate_plain", BLUE, "P", "rotate, plain C", False),
     ("auto", SKY, "h", "", False),
     ("deform_linear", VERMILION, "D", "deform, linear", False),
     ("deform_linear_conserving", VERMILION, "D", "deform, linear, conserving", True),
@@ -152,32 +155,6 @@ matplotlib.rcParams.update(RC)
 def figure(width=360, height=280, rows=1, columns=1, **keywords):
     """(figure, axes) of that size in points, which are the page's pixels on a phone."""
     return pyplot.subplots(rows, columns, figsize=(width / 72, height / 72), **keywords)
-
-
-_RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-
-
-def power(value):
-    """A number as an axis says it: 0.05, 2, 300, 10⁻⁶."""
-    if value == 0 or 1e-3 <= abs(value) < 1e5:
-        return f"{value:g}"
-    digits, exponent = f"{value:.0e}".split("e")
-    raised = "10" + str(int(exponent)).translate(_RAISED)
-    return raised if digits == "1" else f"{digits}·{raised}"
-
-
-def rounded(value):
-    """A number to one digit: 0.003, 2·10⁻⁷."""
-    return power(float(f"{value:.0e}"))
-
-
-def number(value):
-    """A number as a table says it: three digits, and powers of ten where there are many zeros."""
-    if value == 0 or 1e-3 <= abs(value) < 1e5:
-        digits = max(2 - math.floor(math.log10(abs(value))), 0) if value else 0
-        return f"{value:.{min(digits, 5)}f}"
-    mantissa, exponent = f"{value:.1e}".split("e")
-    return f"{mantissa}·10" + str(int(exponent)).translate(_RAISED)
 
 
 def log_ticks(axis, most=7):

@@ -39,6 +39,7 @@ import pictures
 import plate
 import programs
 import report
+import results
 import whole
 
 LIMIT = 0.02
@@ -67,6 +68,7 @@ def arguments(argv=None):
     parser.add_argument("--quads", type=int, default=800,
                         help="quads along a side of the displaced mesh (default 800)")
     parser.add_argument("--map", type=int, default=2048, help="texels along a side (default 2048)")
+    parser.add_argument("--results", action="store_true", help="rewrite docs/results/, as make compare does")
     parser.add_argument("--output", type=Path,
                         help="folder for results (default build/compare/truth, or "
                              "build/compare/truth-scratches, build/compare/truth-sky)")
@@ -304,6 +306,12 @@ def main_sky(options):
         ["normal map against displaced plate, under", CYCLES, *map(label, ours), NORMAL, NOISE],
         [*(row(sky, measured[sky], parts[sky]) for sky in measured),
          row("median", median, median_parts)]))
+    if options.results:
+        results.write("displaced-sky", results.surroundings("make compare"),
+                      ["sky", CYCLES, *(f"{label(of)}{more}" for of in (*ours, NORMAL) for more in ("", ", over Cycles'")), NOISE],
+                      [[sky, one[CYCLES], *(value for of in (*ours, NORMAL) for value in (one[of], part[of])), one[NOISE]]
+                       for sky, one, part in [*((sky, measured[sky], parts[sky]) for sky in measured),
+                                              ("median", median, median_parts)]])
     print(f"\nIn brackets, of Cycles' error. Wanted, at most {WANTED:.2f} in the median: "
           f"{'reached' if wanted else 'not reached'}."
           + ("" if ok else f" MISSED: no less than {CYCLES}."))
@@ -342,6 +350,9 @@ def main(argv=None):
           ("ok" if ok[name] else "MISSED") if name in limit else ""]
          for name, value in measured.items()],
     ))
+    if options.results:
+        results.write(f"displaced-{options.surface}", results.surroundings("make compare"), ["method", "error", "limit"],
+                      [[label(name), value, limit.get(name)] for name, value in measured.items()])
     if where is not None:
         print(f"\nOff the creases: {100 * compared:.0f} % of the picture.")
     print(f"\nPictures and figures: {options.output}")

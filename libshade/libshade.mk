@@ -183,9 +183,10 @@ $(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
 	  -lcmocka $(EXR_LIBS) $(PNG_LIBS) -pthread -lm -o $@
 -include $(wildcard $(B)/test/*.d)
 
-# speed beside accuracy, of the library alone; `make compare` times the renderers
+# speed beside accuracy, of the library alone, also in docs/results/; `make compare` times the renderers
 bench: $(B)/shade
 	@$(B)/shade bench --output $(B)/bench.csv
+	@$(PYTHON3) compare/results.py bench $(B)/bench.csv
 # make bench-pairs BEFORE=COMMIT PAIRS="--pairs 5 --what f"
 .PHONY: bench-pairs
 bench-pairs: $(B)/shade

@@ -224,7 +224,7 @@ ALTERED = {  # a word of each sentence: rows that make it false
     "Slope distributions": lambda r: changed(changed(r, lambda _: {"error": 0.0}, map="half", form="ggx_short_of_l"),
                                              lambda _: {"error": 0.0}, map="half", form="beckmann_short_of_l"),
     "fibre integral": lambda r: changed(r, lambda _: {"library_error": 1e-3}, map="fibre", theta=30.0),
-    "regions fail": lambda r: changed(r, lambda _: {"displaced": 4.0}, map="normal", form="rotate", tilt=40.0)}
+    "regions that fail": lambda r: changed(r, lambda _: {"displaced": 4.0}, map="normal", form="rotate", tilt=40.0)}
 
 
 def test_findings_hold(rows):
