@@ -170,10 +170,10 @@ PyObject *native_cloth_albedo(PyObject *self, PyObject *argument) {
 const char wif_doc[] =
     "wif(bytes, name, counts=(1, 1)) -> dict\n\n"
     "What a Weaving Information File says: ends, picks (of a repeat), weft_share, colored,\n"
-    "mended (a message, or empty), counts (per cm, of a cloth that has had those of `counts`), sett\n"
-    "(what they follow: spacing, thickness or even), and widths ((width, gap) of warp and of weft)\n"
-    "where it states them, else None. ValueError: it is none; the message has the name, the line\n"
-    "and what was expected.";
+    "mended (a message, or empty), counts (per cm, of a cloth that has had those of `counts`),\n"
+    "sett (what they follow: spacing, thickness or even), and widths ((width, gap) of warp and of\n"
+    "weft) where it states them, else None. ValueError: it is none; the message has the name, the\n"
+    "line and what was expected.";
 PyObject *native_wif(PyObject *self, PyObject *arguments) {
   const char *text, *name;
   Py_ssize_t length;
