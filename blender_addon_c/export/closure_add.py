@@ -33,9 +33,11 @@ def add(reader, closure, weight, normal=None, color=None):
     weight."""
     stock = closure.pop("stock", False)
     if stock:
-        closure |= {} if reader.transport else {"detail": "gram_schmidt"}
-        if reader.bumped:  # Cycles fades by what bumps turn a displaced normal: less than they turn this one
+        closure |= {} if reader.transport and _is_drawn_out(closure) else {"detail": "gram_schmidt"}
+        if reader.bumped and reader.dumps:
             closure["horizon"] = "hard" if closure["f0"] == BLACK else "valid_reflection"
+    if normal and normal[0] in reader.coarse:
+        _warn_of_steps(reader, closure, *reader.coarse[normal[0]])
     if normal and normal[0] in reader.filtered and _is_even(closure):
         normal, closure["spread_from"] = reader.filtered[normal[0]]
     if normal and not reader.dumps:
@@ -51,6 +53,23 @@ def add(reader, closure, weight, normal=None, color=None):
     if reader.colors and color:
         closure = {**closure, "pass_color": tuple(color)}
     reader.closures.append({**closure, "normal": normal} if normal else closure)
+
+
+def _is_drawn_out(closure):
+    return closure["ax"] != closure["ay"] or closure.get("ax_from") != closure.get("ay_from")
+
+
+def _warn_of_steps(reader, closure, name, strength):
+    """Of an 8-bit normal map: where a lobe is about as narrow as its steps."""
+    if closure["closure"] == "METAL" and any(closure["f0"]):
+        alphas = [closure[axis] for axis in ("ax", "ay") if f"{axis}_from" not in closure]
+    else:
+        alphas = closure.get("alpha", ())
+    if any(is_known(alpha) and alpha < NARROW * strength for alpha in alphas):
+        reader.warn(f"normal map '{name}' has 8 bits: its steps show in highlights as sharp as these; use 16 bits or float")
+
+
+NARROW = 0.02  # alpha: 2.5 steps of 8 bits; the plate of docs/results is .03 off then, as it is not with 16 bits
 
 
 def _is_even(closure):
@@ -83,17 +102,16 @@ def is_bright(reader, color):
 
 def _valid(reader, closure, normal, stock):
     """The normal that Cycles' closure takes, here in place of a horizon of our own: so that the eye's mirror
-    image is not below the surface, but from some version on not of what is matt. With grooves that go with
-    bumps metals keep theirs."""
+    image is not below the surface, but from some version on not of what is matt. Libshade Metal keeps its own."""
     kind, below = closure["closure"], reader.below.get(normal[0], normal)
     if kind == "METAL":
-        if stock and not reader.transport:
+        if stock:
             closure["horizon"] = "hard"
         return turned(reader, normal) if stock else normal
-    if kind == "DIFFUSE" and reader.bumped:
-        return below
     if kind == "DIFFUSE":
         closure["bumps"] = "FADED" if versions.BUMPS_FADE else "SHADED"
+        if reader.bumped:  # Cycles fades by what bumps turn a displaced normal
+            closure["own"] = reader.bumped
         if not versions.BUMPS_FADE:
             return below
     return reader.program.emit("BEND", normal=below)
@@ -101,6 +119,6 @@ def _valid(reader, closure, normal, stock):
 
 def turned(reader, normal):
     """Of what shines."""
-    if reader.transport or reader.dumps:
+    if reader.dumps:
         return normal
     return reader.program.emit("BEND", normal=reader.below.get(normal[0], normal))

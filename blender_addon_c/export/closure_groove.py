@@ -60,7 +60,8 @@ def _groove(reader, node, rotation, groups):
 
 
 def rotated(reader, own, rotation, groups):
-    """The same of a tangent, and a socket of turns."""
+    """The same of a tangent, or of the mesh's own where that is None, and a socket of turns."""
+    reader.by_mesh = reader.by_mesh or not own
     turns = number_of(reader, rotation, groups)
     if is_known(turns) and turns % 1 == 0:
         return own

@@ -79,13 +79,19 @@ def kept(reader, color, one, mean):
 
 
 class Lobe:
-    """What a round GGX lobe reflects of even light: `one` with a Fresnel of 1, `clear` a clear body's
-    from 0 head-on to 1, `mean` the first's mean."""
+    """What a GGX lobe reflects of even light: `one` with a Fresnel of 1, `clear` a clear body's from 0 head-on to 1,
+    `mean` the first's mean. alphas: along the tangent, which points to `groove` (None: the mesh's own), and across it, or one
+    of both. From 4.0 on Cycles looks up a round one whose alpha is the geometric mean."""
 
-    def __init__(self, reader, alpha, normal):
+    def __init__(self, reader, alphas, normal, groove=None):
         given = {"normal": turned(reader, normal)} if normal else {}
         self._reader, self._math = reader, reader.program.math
-        self.one, self.clear, self.mean = reader.program.emit("ALBEDO", alpha=[alpha], **given)
+        x, y = alphas if isinstance(alphas, tuple) else (alphas, alphas)
+        if x is not y and versions.JOINT_SHADOWING:
+            x = self._math("SQRT", self._math("MULTIPLY", x, y))
+        elif x is not y:
+            given |= {"across": [y], "along": groove or (1.0, 0.0)}
+        self.one, self.clear, self.mean = reader.program.emit("ALBEDO", alpha=[x], **given)
 
     def kept(self, color):
         return kept(self._reader, color, self.one, self.mean)

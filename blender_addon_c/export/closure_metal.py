@@ -26,6 +26,7 @@ def metal(reader, node, groups, share):
     normal = normal_in(reader, node, groups) if node.bump_response == "FOLLOW" else None
     linked = "Tangent" in node.inputs and tree.trace(node.inputs["Tangent"], groups).node
     groove = tangent(reader, node, groups) if linked else _grain(reader, node)
+    reader.by_mesh = reader.by_mesh or not groove
     if "Rotation" in node.inputs:
         groove = rotated(reader, groove, node.inputs["Rotation"], groups)
     add(reader, metal_closure(settings, groove=groove, **parts), share, normal)
@@ -58,7 +59,7 @@ def glossy(reader, node, groups, share):
     else:
         own = color
     if keeps_all(node, alpha):
-        lobe = Lobe(reader, alpha, normal)
+        lobe = Lobe(reader, alphas, normal, groove)
         kept = lobe.kept(color)
         share = times(reader, kept, share)
         seen = (times(reader, own, lobe.one) if versions.JOINT_SHADOWING else
@@ -77,7 +78,7 @@ def metallic(reader, node, groups, share):
         film |= ({"film_eta": parts["eta"], "film_k": parts["k"]} if "k" in parts else
                  tinted(reader, parts["f0"], parts["f82"]))
         settings, parts = {"fresnel": "NONE"}, {"f0": WHITE}
-    lobe = Lobe(reader, alpha, normal)
+    lobe = Lobe(reader, alphas, normal, groove)
     if keeps_all(node, alpha):
         share = times(reader, lobe.kept(_means(reader, head_on, lost)), share)
     made = metal_closure({**LOBES.get(node.distribution, GGX), **settings}, alpha=alphas, groove=groove, **parts)

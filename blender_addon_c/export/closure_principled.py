@@ -87,7 +87,7 @@ class _Principled:
         return self.math("MULTIPLY", share, part)
 
     def _lobe(self, share, settings, head_on, film=None, **parts):
-        lobe = Lobe(self.reader, self.alpha, self.normal)
+        lobe = Lobe(self.reader, self.alphas, self.normal, self.groove)
         kept = lobe.kept(tuple(mean_of(self.reader, part) for part in head_on)) if self.several else WHITE
         share = times(self.reader, kept, share)
         # with joint shadowing Cycles' colour is the albedo, before that it is 1 for all lobes
@@ -266,7 +266,7 @@ class _From40(_Principled):
             head_on = math("MULTIPLY", head_on, math("MULTIPLY", level, 2.0))
         if is_zero(head_on) and not self.film:
             return 0.0
-        lobe = Lobe(reader, self.alpha, self.normal)
+        lobe = Lobe(reader, self.alphas, self.normal, self.groove)
         if self.film:
             hidden = self._filmed(share, head_on)
             if self.several:  # of a film it is that of a mirror

@@ -22,7 +22,7 @@ def fabric_node(reader, node, groups, share):
     alpha = clamped(reader, alpha)
     parts = [(through, 1.0)] if is_known(through) else [(0.0, math("SUBTRACT", 1.0, through)), (1.0, through)]
     fed = _varied(reader, node, groups)
-    normal = normal_in(reader, node, groups)
+    normal, reader.by_mesh = normal_in(reader, node, groups), True
     fed |= {"normal": normal} if normal else {}
     for transmit, part in parts:
         made = _made(reader, node, groups, transmit, fed)

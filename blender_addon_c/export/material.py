@@ -160,7 +160,9 @@ class Reader:
         self.filtered = {}
         # by the first register of a normal, which is never below the surface: the one that it would be
         self.below = {}
+        self.coarse = {}  # by the first register of a normal: the 8-bit image that it is read from, and how strong
         self.bumped = None  # registers of the normal that the displacement makes
+        self.by_mesh = False  # do its strokes go by its meshes' own tangents?
         self.closures, self.open = [], set()  # open: shaders whose own shaders are being read
 
     def warn(self, text):
@@ -230,9 +232,8 @@ class Reader:
             held_out(self)
         closures = self.closures[:_MOST] or [BLACK]
         nodes_, closures = self.program.finish(closures)
-        if len(closures) == 1:
-            return {"nodes": nodes_, **closures[0]}
-        return {"nodes": nodes_, "closures": closures}
+        made = {"nodes": nodes_, **({} if self.by_mesh else {"turned": True})}
+        return {**made, **closures[0]} if len(closures) == 1 else {**made, "closures": closures}
 
     def cloth(self, given):
         """Index of a cloth, each once."""

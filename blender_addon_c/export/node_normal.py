@@ -51,6 +51,9 @@ def _normal_map_of(reader, found, strength, mixed=1.0):
     given = {"color": _color_of(reader, found), "strength": [strength], **tangent}
     normal = reader.program.emit("PERTURB", **given)
     reader.below[normal[0]] = reader.program.emit("PERTURB", below=True, **given)
+    image = color.node.image if color.node and color.node.type == "TEX_IMAGE" else None
+    if image and not image.is_float and is_known(strength):
+        reader.coarse[normal[0]] = image.name, strength
     return Value("NORMAL", normal)
 
 
@@ -91,9 +94,6 @@ def _check_normal_image(reader, image):
     if image and not image.colorspace_settings.is_data:
         reader.warn(f"normal map '{image.name}' has colour space "
                     f"'{image.colorspace_settings.name}': set it to Non-Color")
-    if image and not image.is_float:
-        reader.warn(f"normal map '{image.name}' has 8 bits: its steps show in sharp "
-                    "highlights; use 16 bits or float")
 
 
 def _check_steepness(reader, image, index, strength):

@@ -17,10 +17,7 @@ def uv(reader, name=""):
     """Of the map of that name; "" is the active one."""
     if not reader.is_main(name):
         return layer(reader, "UV", name)[:3]
-    parts = reader.program.emit("GEOMETRY", what="UV")
-    for axis, step in enumerate(reader.shift or ()):
-        parts[axis] = reader.program.math("ADD", parts[axis], step)
-    return parts
+    return reader.program.emit("GEOMETRY", what="UV", **({"shift": reader.shift} if reader.shift else {}))
 
 
 def layer(reader, kind, name=""):
@@ -215,7 +212,9 @@ def along_axis(reader, vector):
 
 
 def _tangent(reader, found):
-    return tangent_of(reader, found.node) or reader.program.emit("GEOMETRY", what="TANGENT")
+    told = tangent_of(reader, found.node)
+    reader.by_mesh = reader.by_mesh or not told
+    return told or reader.program.emit("GEOMETRY", what="TANGENT")
 
 
 _WAYS = {

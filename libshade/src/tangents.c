@@ -11,7 +11,7 @@
  *    and the group has one tangent: the mean of dP/du over its corners, each
  *    projected on the normal's plane, weighted by the corner's angle.
  * 4. share: corners that no group took get the tangent of a group at the same
- *    vertex, or any direction where there is none.
+ *    vertex, else nearly that of one at the same place, else the X or Y axis.
  *
  * An edge and its first corner have the same number, 3 * triangle + 0..2. All
  * sums are in double, where no product of three floats can overflow.
@@ -254,6 +254,10 @@ static void weld(const struct mesh *m, uint32_t place) {
 
 /* ---- triangles ------------------------------------------------------------- */
 
+/* An area in UV that the rounding of the UVs alone may make, by the largest of them and the longest
+ * edge: of a slanted line, say, that a map has fallen to. */
+#define UV_ROUNDING 0x1p-21
+
 /* The direction of dP/du, of any length, or zero where there is none; returns twice the UV area. */
 static double triangle_dpdu(const struct mesh *m, uint32_t first, double dpdu[3]) {
   double p[3][3], uv[3][2];
@@ -263,7 +267,14 @@ static double triangle_dpdu(const struct mesh *m, uint32_t first, double dpdu[3]
   }
   double u1 = uv[1][0] - uv[0][0], v1 = uv[1][1] - uv[0][1];
   double u2 = uv[2][0] - uv[0][0], v2 = uv[2][1] - uv[0][1];
-  double area = u1 * v2 - v1 * u2;
+  double area = u1 * v2 - v1 * u2, largest = 0, longest = 0;
+  for (int i = 0; i < 2; ++i) {
+    for (int k = 0; k < 3; ++k)
+      largest = fmax(largest, fabs(uv[k][i]));
+    longest = fmax(longest, fmax(fabs(uv[1][i] - uv[0][i]), fabs(uv[2][i] - uv[0][i])));
+  }
+  if (fabs(area) <= UV_ROUNDING * largest * longest)
+    area = 0;
   for (int i = 0; i < 3; ++i)
     dpdu[i] = copysign(1.0, area) * (v2 * (p[1][i] - p[0][i]) - v1 * (p[2][i] - p[0][i]));
   return area;
@@ -435,28 +446,39 @@ static void make_held_groups(const struct mesh *m) {
 
 /* ---- 4. share -------------------------------------------------------------- */
 
-/* Any unit vector orthogonal to n, from the axis that is least along it. */
-static void any_tangent(const double n[3], float t[4]) {
-  int axis = 0;
-  for (int i = 1; i < 3; ++i)
-    if (fabs(n[i]) < fabs(n[axis]))
-      axis = i;
-  double v[3] = {axis == 0, axis == 1, axis == 2};
-  project(v, n);
+/* The part orthogonal to n of a direction, or of the X axis, or where that is along n of the Y
+ * axis: neighbours take nearly the same. */
+static void nearest_tangent(const double n[3], const float *from, float t[4]) {
+  double v[3] = {0, 0, 0};
+  for (int i = 0; i < 3 && from; ++i)
+    v[i] = (double)from[i];
+  if (!from || !project(v, n)) {
+    const int axis = fabs(n[0]) < 0.999 ? 0 : 1;
+    v[0] = axis == 0;
+    v[1] = axis == 1;
+    v[2] = 0;
+    project(v, n);
+  }
   normalise(v);
   for (int i = 0; i < 3; ++i)
     t[i] = (float)v[i];
-  t[3] = 1;
+  t[3] = from ? from[3] : 1;
 }
 
-/* Give corner c the tangent stored at corner `source`; 1 if there is none. */
-static uint32_t settle(const struct mesh *m, uint32_t c, uint32_t source, float *tangent) {
+static int has_direction(const float t[4]) {
+  return t[0] != 0 || t[1] != 0 || t[2] != 0;
+}
+
+/* Give corner c the tangent stored at corner `source`; 1 if there is none: then one near that of
+ * `beside`, or NULL. */
+static uint32_t settle(const struct mesh *m, uint32_t c, uint32_t source, const float *beside,
+                       float *tangent) {
   const float *from = tangent + 4 * (size_t)source;
   float *to = tangent + 4 * (size_t)c;
-  if (source == NOTHING || (from[0] == 0 && from[1] == 0 && from[2] == 0)) {
+  if (source == NOTHING || !has_direction(from)) {
     double n[3];
     normal_of(m, c, n);
-    any_tangent(n, to);
+    nearest_tangent(n, beside, to);
     return 1;
   }
   memmove(to, from, 4 * sizeof *to);
@@ -468,18 +490,23 @@ static uint32_t share(const struct mesh *m, uint32_t place) {
   const uint32_t *first = m->corner + m->start[place], *end = m->corner + m->start[place + 1];
   uint32_t *first_group = m->opposite; /* per vertex; the links have done their work */
   uint32_t without = 0;
+  float beside[4] = {0, 0, 0, 1}; /* of the first corner here that has one */
   for (const uint32_t *c = first; c < end; ++c)
     first_group[*c] = NOTHING;
+  for (const uint32_t *c = first; c < end && !has_direction(beside); ++c)
+    if (m->group[*c] != NOTHING)
+      memcpy(beside, m->tangent + 4 * (size_t)m->group[*c], sizeof beside);
+  const float *near = has_direction(beside) ? beside : NULL;
   for (const uint32_t *c = first; c < end; ++c)
     if (m->group[*c] != NOTHING && first_group[m->vertex[*c]] == NOTHING)
       first_group[m->vertex[*c]] = m->group[*c];
   for (const uint32_t *c = first; c < end; ++c)
     if (m->group[*c] != *c)
       without += settle(m, *c, m->group[*c] != NOTHING ? m->group[*c] : first_group[m->vertex[*c]],
-                        m->tangent);
+                        near, m->tangent);
   for (const uint32_t *c = first; c < end; ++c) /* last: the others read these */
     if (m->group[*c] == *c)
-      without += settle(m, *c, *c, m->tangent);
+      without += settle(m, *c, *c, near, m->tangent);
   return without;
 }
 

@@ -131,8 +131,10 @@ typedef struct surfaces {
   lane_f u, v;
   lane_f width;   /* where the scene has cones: across the ray, of what the hit stands for */
   float uv_width; /* where it has `stretch`: that much of u and v at most, of all hits, */
-  lane_v du, dv;  /* and position by u and v, unless nothing asks where all are so fine */
-  lane_f pixel;   /* where it is `stepped`: a pixel's width, 0 where it is not known */
+  lane_v du, dv;  /* and position by u and v, unless nothing asks where all are so fine; */
+  bool edges;     /* some of them are edges, */
+  lane_v u_along, v_along; /* and how far u (x) and v (y) go along each: 1, 0 and 0, 1 of others */
+  lane_f pixel;            /* where it is `stepped`: a pixel's width, 0 where it is not known */
   /* where the scene is `identified`: which triangle and object, and the second and third corner's
    * weights */
   lane_u record, instance, object;

@@ -7,7 +7,7 @@
  *   EON          the same with the light of several bounces, from 4.3 on [Portsmouth2025]; of these
  *                Cycles takes the colour once more than the paper
  *   BURLEY       of the Principled BSDF until 3.6 [Burley2012]
- * and `bumps`, what is lit where the normal is not the surface's own, one of
+ * and `bumps`, what is lit where the normal is not the surface's own, or `own`, another one, one of
  *   HARD         what eye and light see of it
  *   SHADED       what light sees of it, less by Smith's shadow of such bumps [Estevez2019]
  *   FADED        what both see, less where it is turned to the light [Chiang2019]
@@ -23,7 +23,7 @@ enum { DIFFUSE_LAMBERT, DIFFUSE_OREN_NAYAR, DIFFUSE_EON, DIFFUSE_BURLEY };
 enum { DIFFUSE_HARD, DIFFUSE_SHADED, DIFFUSE_FADED, DIFFUSE_OPEN };
 
 typedef struct closure_diffuse {
-  int model, bumps, normal[3];
+  int model, bumps, normal[3], own[3];
   operand color[3], roughness;
 } closure_diffuse;
 
@@ -33,6 +33,13 @@ static inline bool closure_diffuse_read(reader *r, closure_diffuse *c, graph *g)
   c->bumps = DIFFUSE_HARD;
   if (reader_has(r, "bumps") && !reader_word(r, "bumps", bumps, &c->bumps))
     return false;
+  operand own[3] = {
+      {.at = REGISTER_NORMAL}, {.at = REGISTER_NORMAL + 1}, {.at = REGISTER_NORMAL + 2}};
+  if (reader_has(r, "own") && !graph_operands(r, g, "own", 3, own))
+    return false;
+  for (int k = 0; k < 3; k++)
+    if ((c->own[k] = own[k].at) < 0)
+      return reader_fail(r, "own must be three registers");
   g->bare |= c->bumps != DIFFUSE_HARD; /* it reads the surface's own normal, too */
   return reader_word(r, "model", models, &c->model) && graph_operands(r, g, "color", 3, c->color) &&
          graph_operands(r, g, "roughness", 1, &c->roughness) && graph_normal(r, g, c->normal);
@@ -118,6 +125,7 @@ static inline diffuse_bent diffuse_bent_of(const closure_diffuse *c, const surfa
   const float *const lean[] = {at->lean.x, at->lean.y, at->lean.z};
   bool plain = c->normal[0] == REGISTER_NORMAL, away = plain && at->leans == LEANS_AWAY;
   const bool open = c->bumps == DIFFUSE_OPEN;
+  bool leans = at->leans == LEANS_FADING && c->own[0] == REGISTER_NORMAL;
   bool fades = c->bumps == DIFFUSE_FADED || (!open && plain && at->leans == LEANS_FADING);
   diffuse_bent made = {.least = away || open || c->bumps == DIFFUSE_SHADED ? -2.0f : 0.0f,
                        .lowest = open ? -2.0f : 0.0f,
@@ -125,7 +133,7 @@ static inline diffuse_bent diffuse_bent_of(const closure_diffuse *c, const surfa
                        .shades = c->bumps == DIFFUSE_SHADED ? 1.0f : 0.0f};
   for (int k = 0; k < 3; k++) {
     made.n[k] = away ? lean[k] : given->at[c->normal[k]];
-    made.own[k] = at->leans == LEANS_FADING ? lean[k] : given->at[REGISTER_NORMAL + k];
+    made.own[k] = leans ? lean[k] : given->at[c->own[k]];
   }
   return made;
 }

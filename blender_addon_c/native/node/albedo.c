@@ -63,3 +63,73 @@ bool albedo_table_make(albedo_lobe lobe, const float **table) {
   *table = made[lobe];
   return whole[lobe];
 }
+
+static float pairs[PAIR_ROUGH * PAIR_ROUGH * (PAIR_ROW + 1)];
+static bool has_pairs;
+
+/* What a lobe of GGX, its Fresnel 1, reflects of even light to a direction: the mean over the
+ * normals that it sees [Heitz2018] of what Smith's shadow leaves of the light. */
+static double drawn_out(double ax, double ay, const double v[3]) {
+  enum { DRAWS = 256 };
+  double x = ax * v[0], y = ay * v[1], length = sqrt(x * x + y * y + v[2] * v[2]), sum = 0;
+  double eye = length / v[2]; /* 1 + 2 Lambda */
+  x /= length;
+  y /= length;
+  double z = v[2] / length, side = sqrt(x * x + y * y);
+  double a[3] = {side > 0 ? -y / side : 1, side > 0 ? x / side : 0, 0};
+  double b[3] = {-z * a[1], z * a[0], x * a[1] - y * a[0]};
+  for (int k = 0; k < DRAWS; k++) {
+    double u = (k + 0.5) / DRAWS, turn = 6.283185307179586 * fmod(k * 0.6180339887498949, 1);
+    double p = sqrt(u) * cos(turn), q = sqrt(u) * sin(turn), half = 0.5 * (1 + z);
+    q = (1 - half) * sqrt(1 - p * p) + half * q;
+    double up = sqrt(fmax(0, 1 - p * p - q * q));
+    double hx = ax * (p * a[0] + q * b[0] + up * x), hy = ay * (p * a[1] + q * b[1] + up * y);
+    double hz = fmax(0, q * b[2] + up * z), h2 = hx * hx + hy * hy + hz * hz;
+    double twice = 2 * (hx * v[0] + hy * v[1] + hz * v[2]) / h2;
+    double lx = twice * hx - v[0], ly = twice * hy - v[1], lz = twice * hz - v[2];
+    if (lz > 0)
+      sum += (1 + eye) / (eye + sqrt(ax * ax * lx * lx + ay * ay * ly * ly + lz * lz) / lz);
+  }
+  return sum / DRAWS;
+}
+
+static void make_pair(int i, int j) {
+  const double x = i / (double)(PAIR_ROUGH - 1), y = j / (double)(PAIR_ROUGH - 1);
+  const double ax = fmax(x * x, 1e-3), ay = fmax(y * y, 1e-3);
+  float *row = pairs + (i * PAIR_ROUGH + j) * PAIR_ROW;
+  double sum = 0, weights = 0;
+  for (int k = 0; k < PAIR_EYE; k++)
+    for (int l = 0; l < PAIR_TURN; l++) {
+      double root = k / (double)(PAIR_EYE - 1), z = fmax(root * root, 2e-3), s = sqrt(1 - z * z);
+      double turn = 1.5707963267948966 * l / (PAIR_TURN - 1);
+      double one = drawn_out(ax, ay, (double[]){s * cos(turn), s * sin(turn), z});
+      double weight = (k % (PAIR_EYE - 1) ? 1 : 0.5) * (l % (PAIR_TURN - 1) ? 1 : 0.5) * z * root;
+      row[k * PAIR_TURN + l] = (float)one;
+      sum += weight * one;
+      weights += weight;
+    }
+  pairs[PAIR_ROUGH * PAIR_ROUGH * PAIR_ROW + i * PAIR_ROUGH + j] = (float)(sum / weights);
+}
+
+/* Of two alphas those that are less first; the others mirror them. */
+static void make_pairs(void) {
+  for (int i = 0; i < PAIR_ROUGH; i++)
+    for (int j = 0; j <= i; j++) {
+      make_pair(i, j);
+      const float *from = pairs + (i * PAIR_ROUGH + j) * PAIR_ROW;
+      float *to = pairs + (j * PAIR_ROUGH + i) * PAIR_ROW;
+      for (int k = 0; i != j && k < PAIR_ROW; k++)
+        to[k] = from[k / PAIR_TURN * PAIR_TURN + PAIR_TURN - 1 - k % PAIR_TURN];
+      float *means = pairs + PAIR_ROUGH * PAIR_ROUGH * PAIR_ROW;
+      means[j * PAIR_ROUGH + i] = means[i * PAIR_ROUGH + j];
+    }
+}
+
+const float *albedo_pairs_make(void) {
+  pthread_mutex_lock(&making);
+  if (!has_pairs)
+    make_pairs();
+  has_pairs = true;
+  pthread_mutex_unlock(&making);
+  return pairs;
+}

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the surface itself is: `what`, a word of the table. Writes `out`, three numbers; directions
- * in world space, towards the eye where a surface has two sides. */
+ * in world space, towards the eye where a surface has two sides. `shift`, of UV, two operands: how
+ * far from the point along u and v, or where these have no area along edges. */
 #ifndef LIBSHADE_NODE_GEOMETRY_H
 #define LIBSHADE_NODE_GEOMETRY_H
 
@@ -63,11 +64,17 @@ enum { GEOMETRY_TABLE(GEOMETRY_NUMBER) };
 
 typedef struct node_geometry {
   int what, out[3];
+  bool shifted;
+  operand shift[2];
 } node_geometry;
 
 static inline bool node_geometry_read(reader *r, node_geometry *n, graph *g) {
   static const char *const words[] = {GEOMETRY_TABLE(GEOMETRY_WORD) NULL};
-  return reader_word(r, "what", words, &n->what) && graph_outputs(r, g, "out", 3, n->out);
+  n->shifted = reader_has(r, "shift");
+  return reader_word(r, "what", words, &n->what) &&
+         (!n->shifted || (n->what == GEOMETRY_UV ? graph_operands(r, g, "shift", 2, n->shift)
+                                                 : reader_fail(r, "shift: only UV has one"))) &&
+         graph_outputs(r, g, "out", 3, n->out);
 }
 
 /* Does it need position by u and v? */
@@ -85,11 +92,31 @@ static inline bool geometry_stretches(const node_geometry *n) {
     }                                                                                              \
     break;
 
+/* Where a map has no area a picture shows one line of itself or one point, and no more beside it.
+ */
+LEAF void geometry_shifted_uv(bool edges, const node_geometry *n, lane_run g,
+                              const surfaces *restrict point, inputs *restrict at) {
+  const float *su = lane_of(at, n->shift[0], 0, g), *sv = lane_of(at, n->shift[1], 1, g);
+  float *x = at->at[n->out[0]], *y = at->at[n->out[1]], *z = at->at[n->out[2]];
+#pragma omp simd
+  for (size_t i = g.begin; i < g.end; i++) {
+    float u = su[i], v = sv[i];
+    x[i] = point->u[i] + (edges ? u * point->u_along.x[i] + v * point->v_along.x[i] : u);
+    y[i] = point->v[i] + (edges ? u * point->u_along.y[i] + v * point->v_along.y[i] : v);
+    z[i] = 0.0f;
+  }
+}
+
 LEAF void node_geometry_run(const node_geometry *n, lane_run g, const corners *corner,
                             const surfaces *restrict point, inputs *restrict at) {
   float *x = at->at[n->out[0]], *y = at->at[n->out[1]], *z = at->at[n->out[2]];
   (void)corner;
-  switch (n->what) { GEOMETRY_TABLE(GEOMETRY_CASE) }
+  if (n->shifted && point->edges)
+    geometry_shifted_uv(true, n, g, point, at);
+  else if (n->shifted)
+    geometry_shifted_uv(false, n, g, point, at);
+  else
+    switch (n->what) { GEOMETRY_TABLE(GEOMETRY_CASE) }
 }
 
 #endif

@@ -36,7 +36,8 @@ static inline bool node_normal_map_build(node_normal_map *n, const node_place *p
   n->texels =
       place->normal_blur * (float)(source->width > source->height ? source->width : source->height);
   n->squares = coarse && n->normal ? texture_squares(place->textures, n->normal) : NULL;
-  if (place->exponent > 500.0 && texture_is_8bit(source))
+  const double narrow = 0.02 * (double)n->strength; /* alpha: 2.5 steps of 8 bits */
+  if (place->exponent * narrow * narrow > 2.0 && texture_is_8bit(source))
     message_warn(place->log,
                  "material %s: an 8-bit normal map is too coarse for an exponent of %g; use "
                  "16 bits or float",

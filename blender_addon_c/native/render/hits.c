@@ -81,9 +81,10 @@ bool hits_lifted(const worker *w) {
 static void find_derivatives(worker *w) {
   const scene *s = w->scene;
   batch *b = w->batch;
+  b->surface.edges = false;
   s->stages->uv_width(b->queue.hits, s->stretch, b->placed, b->hit, &b->surface);
   if (s->features.fine_derivatives || texture_is_coarse(b->surface.uv_width, s->finest))
-    s->stages->stretch(b->queue.hits, s->stretch, b->placed, b->hit, &b->surface);
+    s->stages->stretch(b->queue.hits, s->stretch, s->triangle, b->placed, b->hit, &b->surface);
 }
 
 void hits_surface(worker *w) {

@@ -345,7 +345,8 @@ static bool read_material(reader *r, void *out, void *context) {
              .dump = s->dump != NULL};
   m->number = (int)(m - s->material);
   bool drawn = true;
-  if (!reader_options(r, options, m) || !reader_may_flag(r, "drawn", &drawn))
+  if (!reader_options(r, options, m) || !reader_may_flag(r, "drawn", &drawn) ||
+      !reader_may_flag(r, "turned", &m->turned))
     return false;
   m->undrawn = !drawn;
   if (!reader_text(r, "name", NULL, &m->name) ||

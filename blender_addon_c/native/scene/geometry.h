@@ -3,6 +3,7 @@
 #ifndef LIBSHADE_GEOMETRY_H
 #define LIBSHADE_GEOMETRY_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -67,11 +68,18 @@ typedef struct triangle {
 } triangle;
 _Static_assert(sizeof(triangle) == 128, "two cache lines");
 
-/* Position of a triangle by u and v; without UVs by two of its edges. */
+/* Position of a triangle by u and v; where it has no area in these by two of its edges. */
 typedef struct stretch {
   float u[3], v[3];
-  float dense; /* how much of u and v a step along it goes at most, by the step's length */
+  float dense;    /* how much of u and v a step along it goes at most, by the step's length */
+  uint32_t edges; /* they are edges: how u and v go along those, the triangle's corners say */
 } stretch;
+
+/* Twice an area in UV that is more than the rounding of the UVs alone may make, by the largest of
+ * them and the longest edge. */
+static inline bool uv_spans(float area, float largest, float longest) {
+  return fabsf(area) > 0x1p-21f * largest * longest + 1e-18f;
+}
 
 /* A mesh that changes its shape, as it is kept: at each of its steps. */
 typedef struct deform {

@@ -35,6 +35,7 @@ typedef struct material {
   bool bare;       /* one of them takes the unperturbed normal */
   size_t nodes;    /* in the order in which they run */
   node *node;
+  bool turned;  /* no closure's strokes go by its meshes' own tangents */
   bool undrawn; /* whatever it shines with, its triangles are no light: rays alone find them */
   bool shines;  /* evenly, with this radiance: its triangles are a light */
   float radiance[3];

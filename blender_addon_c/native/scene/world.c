@@ -120,6 +120,10 @@ static void find_heights(const float *const corner[3], triangle *out) {
     }
 }
 
+static float larger_of(float a, float b) {
+  return fabsf(a) > fabsf(b) ? fabsf(a) : fabsf(b);
+}
+
 /* Position by u and v, or by two edges where these are no measure. */
 static void find_stretch(const float *const corner[3], const triangle *t, stretch *out) {
   double u1 = (double)t->corner[1][6] - (double)t->corner[0][6];
@@ -127,7 +131,12 @@ static void find_stretch(const float *const corner[3], const triangle *t, stretc
   double u2 = (double)t->corner[2][6] - (double)t->corner[0][6];
   double v2 = (double)t->corner[2][7] - (double)t->corner[0][7];
   double area = u1 * v2 - u2 * v1;
-  bool good = fabs(area) > 1e-18;
+  float largest = 0;
+  for (int k = 0; k < 3; k++)
+    largest = larger_of(largest, larger_of(t->corner[k][6], t->corner[k][7]));
+  float longest = larger_of(larger_of((float)u1, (float)v1), larger_of((float)u2, (float)v2));
+  bool good = uv_spans((float)area, largest, longest);
+  out->edges = !good;
   for (int k = 0; k < 3; k++) {
     double a = (double)corner[1][k] - (double)corner[0][k];
     double b = (double)corner[2][k] - (double)corner[0][k];
@@ -673,18 +682,39 @@ static bool move_own(build *b) {
   return true;
 }
 
-/* Does it matter which way its tangents point? */
-static bool is_grooved(const scene *s, const mesh *m) {
-  for (size_t t = 0; t < m->triangles; t++)
-    if (s->material[m->material[t]].traits & CLOSURE_GROOVED)
-      return true;
-  return false;
+/* Of how many of its triangles strokes go by its tangents, and of how many of these the UV map says
+ * no direction. */
+static size_t count_grooved(const scene *s, const mesh *m, size_t *lost) {
+  size_t grooved = 0;
+  *lost = 0;
+  for (size_t t = 0; t < m->triangles; t++) {
+    const material *of = &s->material[m->material[t]];
+    if (!(of->traits & CLOSURE_GROOVED) || of->turned)
+      continue;
+    const float *a = m->corner_uv ? m->corner_uv + 6 * t : NULL;
+    float largest = 0;
+    for (int k = 0; a && k < 6; k++)
+      largest = larger_of(largest, a[k]);
+    float u1 = a ? a[2] - a[0] : 0, v1 = a ? a[3] - a[1] : 0, u2 = a ? a[4] - a[0] : 0;
+    float v2 = a ? a[5] - a[1] : 0;
+    float longest = larger_of(larger_of(u1, v1), larger_of(u2, v2));
+    grooved++;
+    *lost += !uv_spans(u1 * v2 - u2 * v1, largest, longest);
+  }
+  return grooved;
 }
 
 static void warn_of_grooves(const scene *s, message_log *log) {
-  for (const mesh *m = s->mesh; m < s->mesh + s->meshes; m++)
-    if (!m->corner_uv && is_grooved(s, m))
+  for (const mesh *m = s->mesh; m < s->mesh + s->meshes; m++) {
+    size_t lost, grooved = count_grooved(s, m, &lost);
+    if (grooved && !m->corner_uv)
       message_warn(log, "%s has no UV map: its tangent is the object's X axis", m->name);
+    else if (lost && lost == grooved)
+      message_warn(log, "%s: its UV map has no area: its tangent is the object's X axis", m->name);
+    else if (50 * lost > grooved) /* some are in most maps, at poles */
+      message_warn(log, "%s: %d%% of its UV map has no area: strokes there go as those beside it",
+                   m->name, (int)(100.0 * (double)lost / (double)grooved));
+  }
 }
 
 /* What Embree is to know of the shares from `first` on; the arrays' own for the world. */

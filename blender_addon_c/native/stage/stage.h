@@ -94,8 +94,8 @@ typedef struct stage_table {
   /* Where nodes ask how much of the UV map hits stand for, and for position by u and v. */
   void (*uv_width)(size_t count, const stretch *triangles, const placed *table, const hits *hit,
                    surfaces *out);
-  void (*stretch)(size_t count, const stretch *triangles, const placed *table, const hits *hit,
-                  surfaces *out);
+  void (*stretch)(size_t count, const stretch *stretches, const triangle *triangles,
+                  const placed *table, const hits *hit, surfaces *out);
   /* Where the scene has cones: widths of the camera's rays, by sample, of hits, and of rays drawn.
    */
   void (*pixel_cone)(size_t count, const camera_view *view, const rays *ray, path_states *state);

@@ -229,13 +229,32 @@ static void stage_uv_width(size_t count, const stretch *restrict triangles,
                         : widest_uv(false, count, triangles, NULL, hit, out->width);
 }
 
-/* Position by u and v, in the world. */
-static void stage_stretch(size_t count, const stretch *restrict triangles,
-                          const placed *restrict table, const hits *restrict hit,
-                          surfaces *restrict out) {
+/* How u and v go along the edges that stand for them. */
+static __attribute__((noinline)) void along_edges(size_t count, const stretch *restrict stretches,
+                                                  const triangle *restrict triangles,
+                                                  const hits *restrict hit,
+                                                  surfaces *restrict out) {
   for (size_t i = 0; i < count; i++) {
-    stretch s = triangles[hit->record[i]];
+    const float(*corner)[8] = triangles[hit->record[i]].corner;
+    vec3 u = {1.0f, 0.0f, 0.0f}, v = {0.0f, 1.0f, 0.0f};
+    if (stretches[hit->record[i]].edges) {
+      u = (vec3){corner[1][6] - corner[0][6], corner[1][7] - corner[0][7], 0.0f};
+      v = (vec3){corner[2][6] - corner[0][6], corner[2][7] - corner[0][7], 0.0f};
+    }
+    store(&out->u_along, i, u);
+    store(&out->v_along, i, v);
+  }
+}
+
+/* Position by u and v, in the world. */
+static void stage_stretch(size_t count, const stretch *restrict stretches,
+                          const triangle *restrict triangles, const placed *restrict table,
+                          const hits *restrict hit, surfaces *restrict out) {
+  uint32_t edges = 0;
+  for (size_t i = 0; i < count; i++) {
+    stretch s = stretches[hit->record[i]];
     float scale = 1.0f;
+    edges |= s.edges;
     if (table && hit->instance[i]) {
       const placed *p = &table[hit->instance[i]];
       scale = p->scale;
@@ -245,6 +264,9 @@ static void stage_stretch(size_t count, const stretch *restrict triangles,
     store(&out->du, i, (vec3){scale * s.u[0], scale * s.u[1], scale * s.u[2]});
     store(&out->dv, i, (vec3){scale * s.v[0], scale * s.v[1], scale * s.v[2]});
   }
+  out->edges = edges != 0;
+  if (edges)
+    along_edges(count, stretches, triangles, hit, out);
 }
 
 static void stage_identify(size_t count, const triangle *restrict triangles,

@@ -24,9 +24,11 @@ extern "C" {
  * bitangent is handedness * cross(normal, tangent). Corner c of triangle t is number 3t + c.
  *
  * The handedness is that of the UVs in the order of the corners. These must run counter-clockwise
- * as seen from the normal's side. Quads must be split first. A triangle without area in UV or in
- * space adds nothing, and its corners take the tangents of their neighbours. A corner that has none
- * gets a unit vector orthogonal to its normal, and handedness +1. Non-finite input counts as 0.
+ * as seen from the normal's side. Quads must be split first. A triangle without area in UV, but by
+ * rounding, or in space adds nothing, and its corners take the tangents of their neighbours. A
+ * corner that has none takes one at the same position, made orthogonal to its normal, with its
+ * handedness. Where there is none either it takes the X axis, or the Y axis where the normal lies
+ * along X, and handedness +1. Non-finite input counts as 0.
  *
  * Corners are matched by value, so that indexed and unindexed meshes give the same result. Time
  * and scratch memory are linear in the corners: 25 bytes a corner, and 9 a position.
