@@ -18,10 +18,10 @@ import os
 updated = "_MODULES" in globals() and globals().get("__time__") != os.path.getmtime(__file__) or globals().get("updated", False)
 
 if not updated:
-    from . import assets, cycles_settings, engine, fabric, groove, manual, menus, nodes, panels, properties, report, saved, scratches
+    from . import assets, cycles_settings, engine, fabric, groove, manual, menus, nodes, panels, properties, report, saved, scratches, studio
     from .export import kept
 
-    _MODULES = (properties, cycles_settings, nodes, fabric, groove, scratches, menus, kept, engine, report, saved, panels, assets, manual)
+    _MODULES = (properties, cycles_settings, nodes, fabric, groove, scratches, menus, kept, engine, report, saved, studio, panels, assets, manual)
 
 
 def register():

@@ -20,9 +20,6 @@ from mathutils import Vector
 
 SAMPLES, SIZE, COLUMNS = 32, 192, 10
 CATALOGS = ("Libshade", "Libshade/Metals", "Libshade/Fabrics", "Libshade/Grooves", "Libshade/Scratches")
-# Strokes in a unit of UV, along and across; turned rings in a metre; shares of roughness, and turns, by which strokes differ.
-BRUSH, RINGS = (3.0, 400.0, 0.0), 60.0
-UNEVEN, TURN = {"brushed": 0.3, "turned": 0.4}, {"brushed": 0.02, "turned": 0.03}
 # Scratches that show on what is a metre large, in metres to a unit of UV, and what is between them.
 SCRATCHED_UNIT, SCRATCHES = 0.1, {"Density per cm²": 20.0, "Length mm": 10.0, "Width mm": 0.1, "Depth": 0.25}
 POLISH = 0.25
@@ -167,56 +164,16 @@ def new_material(name, kind):
     return material, tree, node
 
 
-def mapped(tree, values, socket, least, most):
-    """Noise (mostly .3 to .7) as numbers of a socket, about its own."""
-    node = tree.nodes.new("ShaderNodeMapRange")
-    node.label = f"Strokes: {socket.name}"
-    node.location = (-220, 120 if socket.name == "Roughness" else -160)
-    for name, value in (("From Min", 0.3), ("From Max", 0.7), ("To Min", least), ("To Max", most)):
-        node.inputs[name].default_value = value
-    tree.links.new(values, node.inputs["Value"])
-    tree.links.new(node.outputs[0], socket)
-
-
-def strokes(tree, node, finish, scratches):
-    """What the tool left, large enough to be seen on an object of a metre or two; plain nodes, but for scratches. The
-    lobe's mean is the preset's, but for what scratches did to it, which are seen."""
-    def add(kind, x, y=0, **properties):
-        made = tree.nodes.new(kind)
-        made.location = (x, y)
-        for name, value in properties.items():
-            setattr(made, name, value)
-        return made
-
-    if finish == "scratched":
-        texture = add(scratches.SCRATCHES, -280, size=SCRATCHED_UNIT)
-        scratches.apply_preset(texture, "USED")
-        for name, value in SCRATCHES.items():
-            texture.inputs[name].default_value = value
-        bake_shared(texture, scratches)
-        tree.links.new(texture.outputs["Normal"], node.inputs["Normal"])
-        node.inputs["Roughness"].default_value = POLISH
-        return
-    if finish == "brushed":  # long along u
-        place = add("ShaderNodeUVMap", -860)
-        lengths = add("ShaderNodeVectorMath", -660, operation="MULTIPLY", label="Strokes, along and across")
-        lengths.inputs[1].default_value = BRUSH
-        tree.links.new(place.outputs[0], lengths.inputs[0])
-        noise, where = add("ShaderNodeTexNoise", -440, noise_dimensions="2D", label="Strokes"), lengths.outputs[0]
-    else:  # rings about z
-        place, flat = add("ShaderNodeTexCoord", -1060), add("ShaderNodeVectorMath", -860, operation="MULTIPLY")
-        flat.inputs[1].default_value = (1, 1, 0)
-        radius = add("ShaderNodeVectorMath", -660, operation="LENGTH", label="From the Axis")
-        tree.links.new(place.outputs["Object"], flat.inputs[0])
-        tree.links.new(flat.outputs[0], radius.inputs[0])
-        noise, where = add("ShaderNodeTexNoise", -440, noise_dimensions="1D", label="Rings"), radius.outputs["Value"]
-    noise.inputs["Scale"].default_value = 1.0 if finish == "brushed" else RINGS
-    noise.inputs["Detail"].default_value, noise.inputs["Roughness"].default_value = 4.0, 0.75
-    tree.links.new(where, noise.inputs["Vector" if finish == "brushed" else "W"])
-    roughness = node.inputs["Roughness"].default_value
-    mapped(tree, noise.outputs[0], node.inputs["Roughness"],
-           roughness * (1 - UNEVEN[finish]), roughness * (1 + UNEVEN[finish]))
-    mapped(tree, noise.outputs[0], node.inputs["Rotation"], -TURN[finish], TURN[finish])
+def scratch(tree, node, scratches):
+    """Large enough to be seen on an object of a metre or two."""
+    texture = tree.nodes.new(scratches.SCRATCHES)
+    texture.location, texture.size = (-280, 0), SCRATCHED_UNIT
+    scratches.apply_preset(texture, "USED")
+    for name, value in SCRATCHES.items():
+        texture.inputs[name].default_value = value
+    bake_shared(texture, scratches)
+    tree.links.new(texture.outputs["Normal"], node.inputs["Normal"])
+    node.inputs["Roughness"].default_value = POLISH
 
 
 def bake_shared(texture, scratches):
@@ -239,8 +196,10 @@ def metals(nodes, scratches):
     for word, row in nodes.metals().items():
         name = row["label"].capitalize()
         material, tree, node = new_material(name, nodes.METAL)
-        nodes.apply_preset(node, word)
-        strokes(tree, node, word.split("_")[0].lower(), scratches)
+        nodes.apply_preset(node, word)  # the strokes of brushed and turned ones are in the node
+        if word.startswith("SCRATCHED"):
+            node.grain = "UV"
+            scratch(tree, node, scratches)
         yield material, row["help"], ["metal", *row["label"].lower().split()]
 
 
@@ -262,6 +221,7 @@ def scratched(nodes, scratches):
     for word, (label, help_, _values) in scratches.PRESETS.items():
         material, tree, node = new_material(_SCRATCHED[word], nodes.METAL)
         nodes.apply_preset(node, "BRUSHED_STEEL")
+        node.strokes, node.grain = 0.0, "UV"
         node.distribution, node.brdf = "BECKMANN", "MICROFACET"
         node.inputs["Roughness"].default_value, node.inputs["Anisotropy"].default_value = 0.22, 0.0
         texture = tree.nodes.new(scratches.SCRATCHES)
@@ -311,6 +271,7 @@ def groups(nodes, groove):
     """(group, material to show it by, help, tags): plain ones, which need no add-on."""
     material, tree, node = new_material("shown", nodes.METAL)
     nodes.apply_preset(node, "BRUSHED_STEEL")
+    node.strokes, node.grain = 0.0, "UV"
     bumpy(node, tree)
     metal = node.node_tree.copy()
     metal.name = "Metal Whose Grooves Follow Bumps"

@@ -15,12 +15,17 @@ _INSIDE = {_SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR}
 _ACROSS, _STROKES = "Across", "Strokes"
 _EITHER, _ROUND, _AXIS, _MAP, _MAPLESS = "Either", "Tangent", "Axis", "UV Map", "Mapless"
 _EDGE, _DIP = "Edge", "Dip"
+# Nor of strokes: their places, sizes, shares of a point, and what they make of Roughness
+_STROKES_PLACE, _STROKES_MAP, _SIZES, _SHARE, _WORN = "Place", "Place in UV Map", "Sizes", "Share of Strokes", "Worn"
 # Of Cycles' distributions the nearest.
 _DISTRIBUTION = {"ASHIKHMIN_SHIRLEY": "ASHIKHMIN_SHIRLEY", "GGX": "GGX"}
 AT_82 = (6 / 7) ** 5  # Schlick's share of white at a cosine of 1/7
 # An axis of the object, with a little of the next ones for faces that it is at right angles to.
 _LEAN = (1.0, 1e-3, 1e-6)
 TINTED = ("SCHLICK", "F82")  # Fresnels that Edge Tint tells
+# What strokes are like: alphas there, less those between; octaves after the coarsest, and how much weaker each is; their contrast;
+# widths in a length, and lengths round an axis.
+ROUGHER, OCTAVES, UNEVEN, CONTRAST, LENGTHS, A_TURN = 3.0, 8.0, 0.75, 1.2, 40.0, 2.0
 
 
 def axis_vector(axis):
@@ -105,6 +110,7 @@ def _fill(tree, color):
     link(_color(tree, new, inputs.outputs, group.outputs["Normal"]), shader.inputs["Color"])
     for name in (*SHAPE, "Rotation"):
         link(inputs.outputs[name], shader.inputs[name])
+    _strokes(tree, new, inputs.outputs["Roughness"])
     across, strokes = new("ShaderNodeMath", 200, -350, _ACROSS), new("ShaderNodeMix", 400, -250, _STROKES)
     across.operation, strokes.data_type = "LESS_THAN", "VECTOR"
     across.inputs[1].default_value = 0.0
@@ -209,6 +215,49 @@ def _tangent(tree, new, given):
     return where(given, given, where(uv.outputs[0], round_.outputs[0], axis.outputs[0], -400, _MAPLESS), -100, _EITHER)
 
 
+def _strokes(tree, new, roughness):
+    """What the tool left, as far as noise of Cycles' tells it: a factor of Roughness, which feeds the shader where there are strokes."""
+    link = tree.links.new
+    place, uv, sizes = new("ShaderNodeTexCoord", -300, -900), new("ShaderNodeUVMap", -300, -1150, _STROKES_MAP), new(
+        "ShaderNodeVectorMath", -100, -900, _SIZES)
+    noise, share, root, worn = (new(f"ShaderNode{kind}", x, -900, name) for kind, x, name in (
+        ("TexNoise", 100, ""), ("MapRange", 300, _SHARE), ("Math", 500, ""), ("Math", 700, _WORN)))
+    place.name = _STROKES_PLACE
+    sizes.operation, root.operation, worn.operation, worn.use_clamp = "MULTIPLY", "POWER", "MULTIPLY", True
+    noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = 1.0, OCTAVES
+    noise.inputs["Roughness"].default_value = UNEVEN
+    # even noise is .5 +- about a quarter; alphas are squares of roughness
+    share.inputs["From Min"].default_value, share.inputs["From Max"].default_value = 0.25, 0.75
+    share.inputs["To Min"].default_value, root.inputs[1].default_value = 1.0, 0.5
+    for source, target in ((place.outputs["Object"], sizes.inputs[0]), (sizes.outputs[0], noise.inputs["Vector"]),
+                           (noise.outputs[0], share.inputs["Value"]), (share.outputs[0], root.inputs[0]),
+                           (root.outputs[0], worn.inputs[0]), (roughness, worn.inputs[1])):
+        link(source, target)
+    uv.location = (-300, -1150)
+
+
+def _update_strokes(tree, by):
+    inner, strength = tree.nodes, getattr(by, "strokes", 0.0)
+    if _WORN not in inner:
+        return
+    target, worn = inner[_SHADER].inputs["Roughness"], inner[_WORN]
+    if strength > 0:
+        if not target.is_linked or target.links[0].from_node != worn:
+            tree.links.new(worn.outputs[0], target)
+    elif target.is_linked and target.links[0].from_node == worn:
+        tree.links.new(worn.inputs[1].links[0].from_socket, target)
+    say(inner[_SHARE].inputs["To Max"], "default_value", 1.0 + ROUGHER * strength)
+    kind, _space, axis = by.grain.partition("_")
+    across = 1e3 / by.stroke_width
+    along = across / LENGTHS
+    source, sizes = (inner[_STROKES_MAP].outputs[0], (along, across, 0.0)) if kind == "UV" else (
+        inner[_STROKES_PLACE].outputs["Object"], tuple(along if (part == axis) == (kind == "AXIS") else across for part in "XYZ"))
+    if inner[_SIZES].inputs[0].links[0].from_socket != source:
+        tree.links.new(source, inner[_SIZES].inputs[0])
+    say(inner[_SIZES].inputs[1], "default_value", sizes)
+    say(inner[_STROKES_MAP], "uv_map", by.uv_map)
+
+
 def mixed(node):
     """Sockets of a Mix node by identifier: their names repeat."""
     return {socket.identifier: socket for socket in (*node.inputs, *node.outputs)}
@@ -230,11 +279,13 @@ def update(tree, by, alphas):
         _update_principled(inner[_OLD_SHADER], *alphas)
         return
     shader, matt = inner[_SHADER], inner[_MATT]
-    say(shader, "distribution", _DISTRIBUTION.get(by.distribution, "BECKMANN"))
+    tailed = getattr(by, "strokes", 0.0) > 0
+    say(shader, "distribution", "GGX" if tailed else _DISTRIBUTION.get(by.distribution, "BECKMANN"))
     for name, value in zip(SHAPE, shape_of(*alphas)):  # where no sockets feed them
         say(shader.inputs[name], "default_value", value)
     say(matt.inputs["Color"], "default_value", (*by.kd, 1.0))
     _update_fresnel(tree, by)
+    _update_strokes(tree, by)
     if _STROKES in inner:
         _turn_strokes(tree, by)
     else:

@@ -175,6 +175,9 @@ def _updater(word):
             finally:
                 _setting_twin = False
             node.note_width(word[1])
+            if node.is_new and not _setting_all:  # who says the lobe's numbers means these
+                node.is_new, node.strokes = False, 0.0
+                node.grain = "UV" if node.grain == NEW_GRAIN else node.grain
         if _setting_all:
             return
         if word in _SETS:
@@ -195,6 +198,7 @@ _GRAINS = (
 )
 _RESPONSES = (("FOLLOW", "Follow", "Strokes and reflections go with the bumps of Normal"),
               ("IGNORE", "Ignore", "The metal reflects as if nothing were linked to Normal"))
+STROKE_WIDTH, NEW_GRAIN = 60.0, "AXIS_Y"
 _WIDTHS = (("ROUGHNESS", "Roughness", "Roughness and anisotropy, as on the sockets"),
            ("ALPHA", "Alpha", "Alphas along the strokes' tangent and across it"),
            ("EXPONENTS", "Exponents", "Exponents along the strokes' tangent and across it"))
@@ -251,6 +255,11 @@ def _properties():
     made["uv_map"] = StringProperty(name="UV Map", description="Of the strokes; none: the active one", update=_updater("uv_map"))
     made["bump_response"] = EnumProperty(name="Bump Response", description="What bumps do to the metal", items=_RESPONSES,
                                          update=_updater("bump_response"))
+    made["strokes"] = FloatProperty(name="Strokes", description="How much rougher the tool's strokes are than what is between them; 0: none",
+                                    subtype="FACTOR", min=0.0, max=1.0, default=0.0, update=_updater("strokes"))
+    made["stroke_width"] = FloatProperty(name="Width mm", description="Of the coarsest strokes, in millimetres; finer ones lie in between",
+                                         min=0.01, soft_max=1000.0, max=1e5, default=STROKE_WIDTH, update=_updater("stroke_width"))
+    made["is_new"] = BoolProperty(options={"HIDDEN"})  # has it still the strokes that it began with?
     made["width_as"] = EnumProperty(name="Width as", description="The same lobe in other numbers", items=_WIDTHS)
     for kind in "ae":
         for axis in (0, 1):
@@ -291,6 +300,7 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         for name, attribute in _choices():
             if _initial_choice(name) != _first_choice(name):  # kept in the file: older ones have nothing there
                 setattr(self, attribute, _initial_choice(name).upper())
+        self.strokes, self.grain, self.is_new = 1.0, NEW_GRAIN, True  # on what has no UV map, too
         _setting_all = False
         for axis in _UV_AXES:
             self.note_width(axis)
@@ -359,6 +369,10 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
                 layout.prop_search(self, "uv_map", meshes[0], "uv_layers")
             else:
                 layout.prop(self, "uv_map")
+        column = layout.column(align=True)
+        column.prop(self, "strokes")
+        if self.strokes > 0:
+            column.prop(self, "stroke_width")
         layout.prop(self, "bump_response", text="Bumps")  # the whole name is wider than the node
 
     def _draw_numbers(self, layout):
@@ -458,8 +472,10 @@ def apply_preset(node, preset):
         if not source.outputs[0].is_linked:
             tree.nodes.remove(source)
     node.chosen = preset
+    if node.is_new:
+        node.strokes = 1.0 if row["turned"] or row["word"].startswith("brushed") else 0.0
     if row["turned"] or node.grain.startswith("RADIAL"):
-        node.grain = "RADIAL_Z" if row["turned"] else "UV"
+        node.grain = "RADIAL_Z" if row["turned"] else NEW_GRAIN if node.is_new else "UV"
 
 
 class LIBSHADE_OT_metal_preset(OnNode, bpy.types.Operator):
@@ -539,7 +555,8 @@ def _update_node(tree, node):
 UPDATES = {METAL: (is_old, _update_node)}
 
 # By bl_idname: all that keyframes may change of a node whose `follow` carries it over.
-FOLLOWED = {METAL: lambda node: (settings(node), node.grain, node.uv_map, node.bump_response)}
+FOLLOWED = {METAL: lambda node: (settings(node), node.grain, node.uv_map, node.bump_response,
+                             getattr(node, "strokes", 0.0))}
 _followed = {}  # by tree and node: what its properties last said
 
 

@@ -9,6 +9,7 @@ from .manual import draw_button
 from .names import ENGINE
 from .nodes import LIBSHADE_OT_convert_to_group
 from .saved import LIBSHADE_OT_save_scene
+from .studio import LIBSHADE_OT_add_studio_light, is_bare
 
 # Marked for every external engine, but they set what libshade does not read.
 _NOT_OURS = {
@@ -45,6 +46,8 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         settings = context.scene.libshade
+        if is_bare(context.scene):
+            layout.operator(LIBSHADE_OT_add_studio_light.bl_idname, icon="WORLD")
         layout.prop(settings, "samples", text="Render")
         layout.prop(settings, "preview_samples", text="Viewport")
         layout.prop(settings, "time_limit")
@@ -54,7 +57,9 @@ class RENDER_PT_libshade_sampling(_Panel, bpy.types.Panel):
         column.prop(settings, "adaptive_threshold")
         column.prop(settings, "adaptive_min_samples")
         layout.prop(settings, "light_sampling_threshold")
-        layout.prop(settings, "use_denoising")
+        column = layout.column(heading="Denoise", align=True)
+        column.prop(settings, "use_denoising", text="Render")
+        column.prop(settings, "use_preview_denoising", text="Viewport")
         layout.prop(settings, "seed")
         layout.prop(settings, "use_animated_seed")
         layout.operator(LIBSHADE_OT_copy_cycles_settings.bl_idname)

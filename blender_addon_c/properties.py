@@ -165,6 +165,12 @@ class LibshadeSettings(bpy.types.PropertyGroup):
                     "PyPI for Blender's Python",
         default=False, update=_update_passes,
     )
+    use_preview_denoising: BoolProperty(
+        name="Denoise Viewport",
+        description="Take the noise out of pictures in the viewport's Rendered mode: with Open Image Denoise "
+                    "where that is found, else with a simple filter",
+        default=True,
+    )
     use_animated_seed: BoolProperty(
         name="Animate Seed",
         description="Another sampling pattern for each frame, so that noise does not stand still",

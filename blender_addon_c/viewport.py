@@ -131,6 +131,7 @@ class Viewport:
             samples = depsgraph.scene.libshade.preview_samples
             self._scene = export.read(depsgraph, camera, view.size, view.region, samples, messages, kept=self._kept,
                                       space=space)
+            self._scene |= export.preview_denoiser(depsgraph.scene.libshade)
         except export.Later:
             self._changed = True
             raise

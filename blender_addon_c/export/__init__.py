@@ -3,7 +3,7 @@
 
 from . import aov, catcher, groups
 from .camera import camera_by, camera_of, region_of
-from .denoise import denoiser
+from .denoise import denoiser, preview_denoiser
 from .kept import Kept, Later
 from .matte import Mattes
 from .messages import Messages, SceneError, named
@@ -13,4 +13,4 @@ from .scene import read
 
 __all__ = ["AOV", "CATCHER", "Kept", "Later", "Mattes", "Messages", "SceneError", "aov", "blur_settings", "camera_by",
            "camera_of", "catcher", "denoiser", "exposure_of", "groups", "is_light", "motion_of", "named", "passes_left_out", "passes_of",
-           "planes_of", "read", "region_of", "world_of_layer"]
+           "planes_of", "preview_denoiser", "read", "region_of", "world_of_layer"]

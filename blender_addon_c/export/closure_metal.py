@@ -8,6 +8,7 @@ from .closure_film import film_of, tinted
 from .closure_groove import drawn_out, in_frame, pulled, rotated, stretched, tangent
 from .closure_lobe import GGX, LOBES, Lobe, alpha_of, apart, keeps_all, mean_of, metal_closure
 from .node_place import along_axis, round_tangent, tangent_of_map
+from .strokes import is_worn, worn
 from .value import clamped, color_of
 
 _AT_82 = metal_tree.AT_82
@@ -19,6 +20,8 @@ def metal(reader, node, groups, share):
     settings, parts = {**nodes.settings(node), "stock": False, "fresnel": nodes.fresnel_of(node).lower()}, {"f0": color}
     if nodes.sockets_rule(node, nodes.SHAPE):
         parts["alpha"] = pulled(reader, node, groups, alpha_of(reader, node, groups))
+    if is_worn(node):
+        worn(reader, node, settings, parts)
     for part, names in (("kd", nodes.MATT_COLOR), ("f82", nodes.EDGE)):
         if nodes.sockets_rule(node, names) or part == "f82" and nodes.colors_rule(node):
             tint = color_of(reader, node.inputs[names[0]], groups)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Open Image Denoise: Blender brings it from 4.x on; PyPI's pyoidn is taken where it is installed."""
 
+import functools
 import importlib.util
 import os
 
@@ -10,6 +11,12 @@ def denoiser(settings):
     return {"use_denoising": True, "denoiser": _path()} if settings.use_denoising else {}
 
 
+def preview_denoiser(settings):
+    """The same for a viewport, which does without the library where there is none."""
+    return {"use_denoising": True, "denoiser": "?" + _path()} if settings.use_preview_denoising else {}
+
+
+@functools.cache
 def _path():
     """Of the library in pyoidn, or "": the native module then looks among the loaded ones."""
     found = importlib.util.find_spec("pyoidn")

@@ -134,7 +134,7 @@ class Table:
 
     def measured(self, indices):
         """By which map the mesh is measured, if any of the materials asks for that."""
-        return next((self._uv_maps[i] for i in indices if self._measured[i]), None)
+        return next((self._uv_maps[i] or "" for i in indices if self._measured[i]), None)
 
 
 class Reader:

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from native_scenes import finish, image, material, native, point, scene, sky, sphere
+from native_scenes import MODULE, SANITIZED, finish, image, material, native, point, scene, sky, sphere
 
-COST = 2
+COST = 4.3
 
 MEGABYTE = 1 << 20
 
@@ -84,3 +84,18 @@ def test_as_the_kernel_counts():
     print(f"{said / MEGABYTE:.1f} MiB, the process grew by {seen / MEGABYTE:.1f}")
     assert said > 50 * MEGABYTE
     assert said == pytest.approx(seen, rel=0.15)
+
+
+@pytest.mark.skipif("NATIVE_MODULE" in os.environ or SANITIZED, reason="a sanitizer has a malloc of its own")
+def test_any_call_may_fail(tmp_path):
+    """Each of the module's calls for memory in turn, and all from it on: a message, no crash, and the next render is whole."""
+    folder, library = Path(__file__).parent, tmp_path / "libfaults.so"
+    subprocess.run(["cc", "-O1", "-fPIC", "-shared", folder / "faults.c", "-o", library], check=True)
+    done = subprocess.run([sys.executable, folder / "faults.py"], env={**os.environ, "LD_PRELOAD": str(library)},
+                          capture_output=True, text=True)
+    print(MODULE, done.stdout)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert all(int(calls) > 60 for calls in re.findall(r"^CALLS (\d+)$", done.stdout, re.M))
+    ends = eval(re.search(r"^ENDS (.*)$", done.stdout, re.M).group(1))
+    assert {"MemoryError", "failed out of memory", "done "} <= set(ends) <= {
+        "MemoryError", "failed out of memory", "failed out of memory in Embree", "done ", "gone"}, ends

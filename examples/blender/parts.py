@@ -46,7 +46,7 @@ def material(name, kind):
 
 def metal(name, color, roughness, anisotropy=0.0, grain="UV", rotation=0.0):
     made, node = material(name, "LibshadeMetalNode")
-    node.grain = grain
+    node.grain, node.strokes = grain, 0.0
     for socket, value in (("Color", (*color, 1)), ("Roughness", roughness), ("Anisotropy", anisotropy), ("Rotation", rotation)):
         node.inputs[socket].default_value = value
     return made

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* By which way the point is seen: `what`, a word of the table. Writes `out`, one number. */
+/* By which way the point is seen: `what`, a word of the table. Writes `out`, one number. WIDTH: of
+ * what the ray stands for, in the scene's unit. */
 #ifndef LIBSHADE_NODE_PATH_H
 #define LIBSHADE_NODE_PATH_H
 
@@ -23,6 +24,7 @@ LEAF float path_is(uint32_t ray, uint32_t some, uint32_t none) {
   ROW(REFLECTION, path_is(ray, RAY_DIFFUSE | RAY_GLOSSY, RAY_TRANSMISSION))                        \
   ROW(TRANSMISSION, path_is(ray, RAY_TRANSMISSION, 0))                                             \
   ROW(LENGTH, point->length[i])                                                                    \
+  ROW(WIDTH, point->width[i])                                                                      \
   ROW(DEPTH, (float)(int32_t)(point->depth[BOUNCE_DIFFUSE][i] + point->depth[BOUNCE_GLOSSY][i] +   \
                               point->depth[BOUNCE_TRANSMISSION][i]) +                              \
                  path_is(ray, RAY_SHADOW, 0))                                                      \

@@ -71,6 +71,12 @@ static float texels_of(const node *n) {
                                                                   : 0.0f;
 }
 
+/* Does it ask itself how much a ray stands for? */
+static bool reads_width(const node *n) {
+  return (n->type == NODE_SCRATCHES && n->of.scratches.coarse) ||
+         (n->type == NODE_PATH && n->of.path.what == PATH_WIDTH);
+}
+
 static bool build_materials(scene *s, const atomic_bool *cancel, message_log *log) {
   bool good = true;
   s->features.ray_cones = s->cloths > 0;
@@ -90,8 +96,7 @@ static bool build_materials(scene *s, const atomic_bool *cancel, message_log *lo
       good = build_node(&m->node[k], &place);
     for (size_t k = 0; good && k < m->nodes; k++) {
       s->finest = fmaxf(s->finest, texels_of(&m->node[k]));
-      s->features.ray_cones = s->features.ray_cones || s->finest > 0.0f ||
-                              (m->node[k].type == NODE_SCRATCHES && m->node[k].of.scratches.coarse);
+      s->features.ray_cones = s->features.ray_cones || s->finest > 0.0f || reads_width(&m->node[k]);
     }
   }
   s->features.derivatives = reads_derivatives(s, false);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "system/library.h"
+#include "system/parallel.h"
 
 /* As in version 2 of the library's C interface. */
 typedef struct OIDNDeviceImpl *OIDNDevice;
@@ -108,4 +109,98 @@ bool denoise_run(const denoise_input *in, const char *path, const atomic_bool *c
   l.oidnReleaseDevice(device);
   free(out);
   return !wrong;
+}
+
+/* ---- without a library */
+
+enum { LEVELS = 5 };
+/* Where colours, surfaces' colours and normals differ by so much (squared) a neighbour has half its
+ * weight; of colours by their brightness. */
+static const float color_scale = 0.3f, albedo_scale = 0.02f, normal_scale = 0.05f;
+
+typedef struct wavelet {
+  const denoise_input *in;
+  const float *from;
+  float *to;
+  int step;
+} wavelet;
+
+static float brightness(const float *c) {
+  return 0.3f * c[0] + 0.6f * c[1] + 0.1f * c[2];
+}
+
+static float distance2(const float *a, const float *b) {
+  float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+  return x * x + y * y + z * z;
+}
+
+/* No pixel is brighter than the second brightest of its eight neighbours: a lone one is chance. */
+static void calm_row(void *context, size_t y) {
+  const wavelet *w = context;
+  const int width = w->in->width, height = w->in->height;
+  for (int x = 0; x < width; x++) {
+    const float *own = w->in->color + 4 * ((size_t)width * y + (size_t)x);
+    float first = 0.0f, second = 0.0f, light = brightness(own);
+    for (int k = 0; k < 9; k++) {
+      const int i = x + k % 3 - 1, j = (int)y + k / 3 - 1;
+      if (k == 4 || i < 0 || j < 0 || i >= width || j >= height)
+        continue;
+      const float other = brightness(w->in->color + 4 * ((size_t)width * (size_t)j + (size_t)i));
+      second = other > first ? first : other > second ? other : second;
+      first = other > first ? other : first;
+    }
+    const float scale = light > second && width > 2 && height > 2 ? second / light : 1.0f;
+    for (int c = 0; c < 3; c++)
+      w->to[3 * ((size_t)width * y + (size_t)x) + (size_t)c] = own[c] * scale;
+  }
+}
+
+static void wavelet_row(void *context, size_t y) {
+  static const float kernel[3] = {0.25f, 0.5f, 0.25f};
+  const wavelet *w = context;
+  const int width = w->in->width, height = w->in->height;
+  for (int x = 0; x < width; x++) {
+    const size_t at = 3 * ((size_t)width * y + (size_t)x);
+    const float light = brightness(w->from + at);
+    float sum[3] = {0}, all = 0.0f;
+    for (int k = 0; k < 9; k++) {
+      const int i = x + (k % 3 - 1) * w->step, j = (int)y + (k / 3 - 1) * w->step;
+      if (i < 0 || j < 0 || i >= width || j >= height)
+        continue;
+      const size_t there = 3 * ((size_t)width * (size_t)j + (size_t)i);
+      const float other = brightness(w->from + there), mean = light + other + 1e-3f;
+      const float apart = (light - other) * (light - other) / (mean * mean * color_scale) +
+                          distance2(w->in->albedo + at, w->in->albedo + there) / albedo_scale +
+                          distance2(w->in->normal + at, w->in->normal + there) / normal_scale;
+      const float weight = kernel[k % 3] * kernel[k / 3] / (1.0f + apart * apart);
+      for (int c = 0; c < 3; c++)
+        sum[c] += weight * w->from[there + (size_t)c];
+      all += weight;
+    }
+    for (int c = 0; c < 3; c++)
+      w->to[at + (size_t)c] = all > 0.0f ? sum[c] / all : w->from[at + (size_t)c];
+  }
+}
+
+bool denoise_simply(const denoise_input *in) {
+  const size_t pixels = (size_t)in->width * (size_t)in->height, height = (size_t)in->height;
+  const int threads = in->threads > 0 ? in->threads : parallel_cores();
+  float *first = malloc(3 * pixels * sizeof *first + 1);
+  float *second = malloc(3 * pixels * sizeof *second + 1);
+  const bool good = first && second;
+  wavelet w = {.in = in, .from = second, .to = first, .step = 1};
+  if (good) {
+    parallel_for(threads, height, calm_row, &w);
+    for (int level = 0; level < LEVELS; level++, w.step *= 2) {
+      const float *made = w.to;
+      w.to = level % 2 ? first : second;
+      w.from = made;
+      parallel_for(threads, height, wavelet_row, &w);
+    }
+    for (size_t i = 0; i < pixels; i++)
+      memcpy(in->color + 4 * i, w.to + 3 * i, 3 * sizeof *w.to);
+  }
+  free(second);
+  free(first);
+  return good;
 }

@@ -23,4 +23,8 @@ typedef struct denoise_input {
 bool denoise_run(const denoise_input *input, const char *path, const atomic_bool *cancel,
                  char *error, size_t error_size);
 
+/* The same without a library, by edge-avoiding wavelets [Dammertz2010]: for pictures that shall be
+ * there at once. False when out of memory; the picture then is as it was. */
+bool denoise_simply(const denoise_input *input);
+
 #endif

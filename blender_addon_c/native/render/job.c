@@ -21,7 +21,8 @@ static bool render_picture(job *j) {
   return render_run(&j->render);
 }
 
-/* A denoiser that is missing or fails is no reason to lose the picture. */
+/* A denoiser that is missing or fails is no reason to lose the picture. A path after '?' is of one
+ * that need not be there: else it is done without. */
 static bool denoise(job *j) {
   render *r = &j->render;
   int width = r->region[2] - r->region[0], height = r->region[3] - r->region[1];
@@ -42,7 +43,10 @@ static bool denoise(job *j) {
                            .albedo = albedo,
                            .normal = normal,
                            .threads = j->scene->threads};
-    good = denoise_run(&input, j->scene->denoiser, &j->cancel, wrong, sizeof wrong);
+    const char *path = j->scene->denoiser;
+    const bool optional = path && path[0] == '?';
+    good = denoise_run(&input, path + optional, &j->cancel, wrong, sizeof wrong) ||
+           (optional && wrong[0] && denoise_simply(&input));
   }
   free(albedo);
   free(normal);

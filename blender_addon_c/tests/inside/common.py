@@ -127,6 +127,11 @@ def tree_of(material):
     return material.node_tree
 
 
+def plain(node):
+    """A metal node without strokes, whose tangent is that of the UV map."""
+    node.strokes, node.grain, node.is_new = 0.0, "UV", False
+
+
 def metal(name="metal", **settings):
     """A material of one Libshade Metal node; returns (material, tree, node)."""
     material = bpy.data.materials.new(name)
@@ -134,6 +139,7 @@ def metal(name="metal", **settings):
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     node = tree.nodes.new("LibshadeMetalNode")
+    plain(node)
     for key, value in settings.items():
         setattr(node, key, value)
     tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
