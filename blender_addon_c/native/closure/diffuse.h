@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A matt surface: `color`, three operands; `roughness`, one; `normal`; `model`, one of
+ * A matt surface. It reads `color` (three operands), `roughness` (one) and `normal`. `model` is one
+ * of
+ *
  *   LAMBERT
- *   OREN_NAYAR   as Cycles has it until 4.2: Oren and Nayar's qualitative model, tan replaced
+ *   OREN_NAYAR   Oren and Nayar's qualitative model, tan replaced, as Cycles has it until 4.2
  *                [Fujii2012]
- *   EON          the same with the light of several bounces, from 4.3 on [Portsmouth2025]; of these
- *                Cycles takes the colour once more than the paper
+ *   EON          the same with the light of several bounces, from 4.3 on [Portsmouth2025]; Cycles
+ *                takes the colour of these once more than the paper
  *   BURLEY       of the Principled BSDF until 3.6 [Burley2012]
- * and `bumps`, what is lit where the normal is not the surface's own, or `own`, another one, one of
+ *
+ * `bumps` says what is lit where the normal is not the surface's own, or `own`, another one. It is
+ * one of
+ *
  *   HARD         what eye and light see of it
  *   SHADED       what light sees of it, less by Smith's shadow of such bumps [Estevez2019]
  *   FADED        what both see, less where it is turned to the light [Chiang2019]

@@ -20,33 +20,33 @@ typedef struct cloth {
 } cloth;
 
 /*
- * `preset`, a word; `size`, metres of cloth in one unit of the UV map; `transmit`, the share of
- * what is matt that leaves on the other side; `open`: nothing is behind the gaps. If they are
- * there:
+ * A cloth is a dictionary. `preset` is a word, and `size` the metres of cloth in one unit of the UV
+ * map. `transmit` is the share of what is matt that leaves on the other side. With `open` nothing
+ * is behind the gaps. These count if they are there:
  *
- *   warp, weft            colours in place of the preset's, and what goes with them (backing,
- *                         coloured highlights) changes alike
+ *   warp, weft            colours in place of the preset's; what goes with them (backing, coloured
+ *                         highlights) changes alike
  *   gloss, nap            what the yarns' exponents are multiplied by; the nap's optical depth
  *   tier                  auto, near or far, whatever the footprint
  *   weave                 a word, or
- *   draft, draft_name     the text of a WIF and what messages call it; draft_colors: its yarns'
- *                         colours are multiplied by theirs in the draft
+ *   draft, draft_name     the text of a WIF and what messages call it
+ *   draft_colors          its yarns' colours are multiplied by theirs in the draft
  *   counts                ends and picks per cm
  *   repeats               of the draft in one unit of the UV map, along u and v, in place of `size`
- *   warp_yarn, weft_yarn  dictionaries: numbers of shade_yarn_param_row and, of the yarn's
- * material, `along` and `across`; `twist`, radians to the yarn's axis, S above 0, Z below, with
- * `plied`, fibres along the axis
+ *   warp_yarn, weft_yarn  dictionaries: numbers of shade_yarn_param_row; of the yarn's material
+ *                         `along` and `across`; `twist`, radians to the yarn's axis, S above 0, Z
+ *                         below; with `plied` the fibres run along the axis
  *
- * Of what is out of range the message says what is expected.
+ * Where something is out of range, the message says what is expected.
  */
 bool cloth_read(reader *r, void *out, void *context);
 /* False when out of memory. */
 bool cloth_build(cloth *c);
 
 /*
- * Pictures of one repeat, for renderers that know no yarns: width x height texels of four floats
- * (the last is 1), rows from the bottom, each the mean of some points, without what varies from
- * yarn to yarn and along them. What is -1 to 1 is kept as 0 to 1.
+ * Pictures of one repeat, for renderers that know no yarns. They are width x height texels of four
+ * floats, of which the last is 1, with rows from the bottom. Each texel is the mean of some points,
+ * without what varies from yarn to yarn and along them. What is -1 to 1 is kept as 0 to 1.
  *
  *   tilt   along u and along v, 0 in gaps; occlusion
  *   yarns  shares of the warp and of the weft on top; 0
