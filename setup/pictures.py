@@ -122,6 +122,16 @@ def nodes():
         Image.open(path).convert("RGB").quantize(128).save(path, optimize=True)
 
 
+def first():
+    """docs/pictures/first.jpg: what the manual's first steps in Blender lead to."""
+    made = ROOT / "build/first.png"
+    subprocess.run(["blender", "-b", "--factory-startup", "--addons", "libshade", "--python-exit-code", "1", "-P",
+                    ROOT / "examples/blender/nodes/make_first.py", "--", made], check=True,
+                   stdout=subprocess.DEVNULL, env={**os.environ, "BLENDER_USER_SCRIPTS": str(ROOT / "build/blender")})
+    Image.open(made).convert("RGB").resize((640, 360), Image.LANCZOS).save(ROOT / "docs/pictures/first.jpg", quality=80, optimize=True,
+                                                                          progressive=True)
+
+
 def effects():
     """docs/pictures: what sockets do, by a Blender that denoises."""
     subprocess.run([ROOT / "build/venv-bpy/bin/python", ROOT / "examples/blender/nodes/make_effects.py", "--", ROOT / "docs/pictures"], check=True,
@@ -142,6 +152,7 @@ def cookbook():
 
 def manual():
     nodes()
+    first()
     effects()
     cookbook()
 
