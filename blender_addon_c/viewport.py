@@ -35,7 +35,7 @@ class Viewport:
         self._kept, self._known = export.Kept(), 0  # what is read, and how much of it is with the job
         self._changed, self._is_reading = True, False  # since it was read; is it just being?
         self._scene, self._waiting = None, False  # what the native module gets; does it have it yet?
-        self._view = None
+        self._view, self._denoiser = None, {}
         self._job, self._made, self._finished, self._failed = None, None, False, False
         self._behind = False  # was something else wanted than what the job makes, when it was drawn?
         self._began, self._fetched = 0.0, 0.0
@@ -131,7 +131,7 @@ class Viewport:
             samples = depsgraph.scene.libshade.preview_samples
             self._scene = export.read(depsgraph, camera, view.size, view.region, samples, messages, kept=self._kept,
                                       space=space)
-            self._scene |= export.preview_denoiser(depsgraph.scene.libshade)
+            self._denoiser = export.preview_denoiser(depsgraph.scene.libshade)
         except export.Later:
             self._changed = True
             raise
@@ -160,7 +160,7 @@ class Viewport:
         view = picture.view
         self._scene.update(camera=export.camera_by(view.projection, view.to_world, view.clip), width=picture.size[0],
                            height=picture.size[1], region=picture.region)
-        given = {**self._scene, "samples": picture.samples}
+        given = {**self._scene, **self._denoiser, "samples": picture.samples}
         job = _native.look(self._job, given) if self._job and not self._waiting else None
         try:
             self._job = job or _native.start(given, self._job)

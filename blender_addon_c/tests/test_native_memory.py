@@ -12,7 +12,7 @@ import pytest
 
 from native_scenes import MODULE, SANITIZED, finish, image, material, native, point, scene, sky, sphere
 
-COST = 4.3
+COST = 3.1
 
 MEGABYTE = 1 << 20
 

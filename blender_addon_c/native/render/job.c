@@ -22,7 +22,8 @@ static bool render_picture(job *j) {
 }
 
 /* A denoiser that is missing or fails is no reason to lose the picture. A path after '?' is of one
- * that need not be there: else it is done without. */
+ * that need not be there: else it is done without, as it is of one sample, which shall be there at
+ * once. */
 static bool denoise(job *j) {
   render *r = &j->render;
   int width = r->region[2] - r->region[0], height = r->region[3] - r->region[1];
@@ -45,8 +46,9 @@ static bool denoise(job *j) {
                            .threads = j->scene->threads};
     const char *path = j->scene->denoiser;
     const bool optional = path && path[0] == '?';
-    good = denoise_run(&input, path + optional, &j->cancel, wrong, sizeof wrong) ||
-           (optional && wrong[0] && denoise_simply(&input));
+    const bool quick = optional && j->scene->samples == 1;
+    good = !quick && denoise_run(&input, path + optional, &j->cancel, wrong, sizeof wrong);
+    good = good || (optional && wrong[0] && denoise_simply(&input));
   }
   free(albedo);
   free(normal);

@@ -416,6 +416,11 @@ def extreme_exponents(scene):
     node.ex, node.ey = 1e6, 0
 
 
+def huge(scene):
+    plate(scene)
+    scene.render.resolution_x = scene.render.resolution_y = 1 << 16
+
+
 def one_pixel(scene):
     plate(scene)
     scene.render.resolution_x = scene.render.resolution_y = 4
@@ -436,7 +441,7 @@ CASES = [
     deep_nodes, too_many_nodes,
     other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, hair, no_shader, many_shaders, flat_lights, no_strength, no_threshold, curve_of_no_number, portal, cycles_alone, world_volume, world_shader,
     world_without_image, world_of_nothing, blind,
-    flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, one_pixel,
+    flat_object, vanished_object, nowhere, not_a_number, slot_out_of_range, extreme_exponents, huge, one_pixel,
     text_and_curve,
 ]
 

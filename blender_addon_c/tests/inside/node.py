@@ -284,6 +284,26 @@ def test_old_files(node):
     node.ax = 0.3  # someone has been inside: nothing to do
 
 
+def test_strokes():
+    """A new node has them, and its presets of brushed and turned metals; who gives its lobe in numbers, or has an older file, does not."""
+    _material, tree, _node = common.metal("strokes")
+    node = tree.nodes.new("LibshadeMetalNode")
+
+    def inside():
+        shader = node.node_tree.nodes["Anisotropic BSDF"]
+        return shader.distribution == "GGX", shader.inputs["Roughness"].links[0].from_node.name == "Worn"
+    assert (node.strokes, node.grain) == (1, "AXIS_Y") and inside() == (True, True)
+    for word, strokes, grain in (("TURNED_STEEL", 1, "RADIAL_Z"), ("SCRATCHED_STEEL", 0, "AXIS_Y"), ("BRUSHED_STEEL", 1, "AXIS_Y")):
+        node.preset = word
+        assert (node.strokes, node.grain) == (strokes, grain) and inside()[1] == bool(strokes), word
+    node.ex = 300
+    assert (node.strokes, node.grain) == (0, "UV") and inside() == (False, False)
+    node.preset = "BRUSHED_STEEL"
+    assert (node.strokes, node.grain) == (0, "UV")
+    properties = node.bl_rna.properties
+    assert (properties["strokes"].default, properties["grain"].default) == (0, "UV")  # what older files mean
+
+
 def test_metals():
     """Each preset is what it is called, as a person would tell it; turned ones have a round grain."""
     _material, tree, node = common.metal("presets")

@@ -460,6 +460,28 @@ def test_errors_are_told_and_the_result_ends():
     assert report.told(scene) == [("new", False)] and not report.told(bpy.data.scenes.new("another"))
 
 
+def test_studio_light():
+    """Offered where one lamp and a dim world are all; what it adds is in the file, and undone it is gone."""
+    studio, scene = module("studio"), common.empty_scene()
+    assert studio.is_bare(scene)
+    common.light(scene)
+    world = scene.world = bpy.data.worlds.new("dim")
+    background = common.tree_of(world).nodes["Background"].inputs
+    background["Color"].default_value = (0.05, 0.05, 0.05, 1)
+    assert studio.is_bare(scene)
+    background["Strength"].default_value = 10
+    assert not studio.is_bare(scene)
+    background["Strength"].default_value = 1
+    lamp = common.light(scene)
+    assert not studio.is_bare(scene)
+    bpy.data.objects.remove(lamp)
+    if not studio._path():  # bpy of PyPI may come without
+        return
+    assert bpy.ops.libshade.add_studio_light() == {"FINISHED"} and not studio.is_bare(scene)
+    sky = next(node for node in scene.world.node_tree.nodes if node.type == "TEX_ENVIRONMENT")
+    assert sky.image.packed_file and scene.world != world and "UNDO" in studio.LIBSHADE_OT_add_studio_light.bl_options
+
+
 # Panel, what is set, a setting in it, whether it is grey then; a person's
 GREYED = (
     ("RENDER_PT_libshade_film", {"scene.libshade.pixel_filter_type": "BOX"}, "filter_width", True),

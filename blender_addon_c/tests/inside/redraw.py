@@ -67,12 +67,13 @@ class Pictures:
     def _update(self, _scene, depsgraph):
         self._view.changed(depsgraph)
 
-    def of_view(self):
+    def of_view(self, wanted=""):
+        """wanted: what the header has to say, None: anything."""
         graph = bpy.context.evaluated_depsgraph_get()
         camera = self._scene.camera.evaluated_get(graph)
         window = camera.calc_matrix_camera(graph, x=WIDTH, y=HEIGHT)
-        pixels, said = self._view.picture(camera.matrix_world.inverted(), window, True, graph)
-        assert not said, said
+        pixels, self.said = self._view.picture(camera.matrix_world.inverted(), window, True, graph)
+        assert self.said == wanted or wanted is None, self.said
         return pixels
 
     def of_render(self):
@@ -244,5 +245,31 @@ for k, edit in enumerate(EDITS):
         made(scene)
     for name, before, after, fresh in zip(("view", "render"), seen[k], seen[k + 1], shown(Pictures(scene))):
         print("EDIT", edit.__name__, name, f"{difference(after, before):.5f} {difference(after, fresh, 1):.7f}", flush=True)
+
+
+def unread(pictures, scene):
+    """What goes wrong in reading it: the picture before stays, and the header says so in one line."""
+    viewport, report = (sys.modules[f"{common.MODULE}.{name}"] for name in ("viewport", "report"))
+    before, read = pictures.of_view(), viewport.export.read
+
+    def fails(*_arguments, **_more):
+        raise KeyError("inner")
+    viewport.export.read = fails
+    try:
+        light_world(scene)
+        bpy.context.view_layer.update()
+        after, said = pictures.of_view(None), pictures.said
+    finally:
+        viewport.export.read = read
+    assert "internal error" in said and "'inner'" in said and "\n" not in said, said
+    assert np.array_equal(before, after) and "in fails" in report.whole(scene)
+    light_world(scene)
+    scene.libshade.max_bounces = 1
+    bpy.context.view_layer.update()
+    assert difference(pictures.of_view(), before) > 5e-3
+
+
+last = build()
+unread(Pictures(last), last)
 print("DONE")
 common.finish()

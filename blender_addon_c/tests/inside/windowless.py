@@ -46,7 +46,8 @@ class View:
                 self._until_news(more)
         finally:
             module.gpu, module.draw_texture_2d = held
-        drawn, self._drawn = self._drawn[-1], []
+        drawn = self._drawn[-1]
+        self._drawn = [drawn]  # it stays until there is another
         return np.array(drawn, np.float32).reshape(height, width, 4), said
 
     def _until_news(self, more):
