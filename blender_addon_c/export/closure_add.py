@@ -109,8 +109,10 @@ def _valid(reader, closure, normal, stock):
             closure["horizon"] = "hard"
         return turned(reader, normal) if stock else normal
     if kind == "DIFFUSE":
+        if normal is reader.bumped and versions.BUMPS_FADE:  # not by what its displacement turns it
+            return reader.program.emit("BEND", normal=below)
         closure["bumps"] = "FADED" if versions.BUMPS_FADE else "SHADED"
-        if reader.bumped:  # Cycles fades by what bumps turn a displaced normal
+        if reader.bumped:  # a Normal socket's bumps by what they turn that
             closure["own"] = reader.bumped
         if not versions.BUMPS_FADE:
             return below

@@ -5,7 +5,7 @@ shading frame, None for the UV map's own."""
 from . import tree
 from .closure_add import is_zero
 from .graph import is_known
-from .node_place import round_tangent, tangent_of
+from .node_place import tangent_of, usual_tangent
 from .value import clamped, color_of, number_of
 
 
@@ -39,10 +39,10 @@ def pulled(reader, node, groups, alpha):
 
 
 def tangent(reader, node, groups):
-    """Of a node's Tangent. Where nothing feeds it, it goes round the object's z axis."""
+    """Of a node's Tangent."""
     found = tree.trace(node.inputs["Tangent"], groups)
     if found.node is None:
-        vector = round_tangent(reader, "Z")
+        vector = usual_tangent(reader)
     elif found.node.type == "TANGENT":
         vector = tangent_of(reader, found.node)
     else:

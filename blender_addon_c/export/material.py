@@ -65,14 +65,14 @@ class Table:
         self._textured = []  # by index: does it look anything up there?
         self._measured = []  # and does it ask how large that is?
 
-    def index(self, material, drawn=True, held=False, of_points=False):
+    def index(self, material, drawn=True, held=False, of_points=False, of_strands=False):
         """Index of a material; None is an empty slot. Not drawn: no light, whatever it shines with. Held: a hole in
-        the picture. Of points: of a cloud."""
+        the picture. Of points: of a cloud; of strands: of hair."""
         if not drawn:
-            return self._undrawn(material, held, of_points)
-        key = (material, held, of_points)
+            return self._undrawn(material, held, of_points, of_strands)
+        key = (material, held, of_points, of_strands)
         if key not in self._indices:
-            reader = Reader(self, self._messages, material, held, of_points)
+            reader = Reader(self, self._messages, material, held, of_points, of_strands)
             self._indices[key] = len(self.materials)
             self.materials.append(reader.read())
             for (name, kind), made in self.aovs.items():
@@ -83,10 +83,10 @@ class Table:
             self._measured.append(reader.measured)
         return self._indices[key]
 
-    def _undrawn(self, material, held, of_points):
-        key = (material, held, of_points, "undrawn")
+    def _undrawn(self, material, held, of_points, of_strands):
+        key = (material, held, of_points, of_strands, "undrawn")
         if key not in self._indices:
-            like = self.index(material, held=held, of_points=of_points)
+            like = self.index(material, held=held, of_points=of_points, of_strands=of_strands)
             self._indices[key] = len(self.materials)
             self.materials.append({**self.materials[like], "drawn": False})
             for made in self.aovs.values():
@@ -143,8 +143,8 @@ class Reader:
 
     has_surface = True
 
-    def __init__(self, table, messages, material, held=False, of_points=False):
-        self._held, self.of_points = held, of_points
+    def __init__(self, table, messages, material, held=False, of_points=False, of_strands=False):
+        self._held, self.of_points, self.of_strands = held, of_points, of_strands
         self.transport, self.colors, self.averages = table.transport, table.colors, table.averages
         self.filters, self.images, self._table = table.filters, table.images, table
         self.dumps = table.dumps

@@ -158,7 +158,7 @@ _OF_MESH = {"Pointiness": "POINTINESS", "Random Per Island": "ISLAND", "Parametr
 def _geometry(reader, found):
     name = found.output.name
     if name == "Tangent":
-        return round_tangent(reader, "Z")
+        return usual_tangent(reader)
     if name in _OF_MESH:
         told = layer(reader, _OF_MESH[name])
         return (*told[:2], 0.0) if name == "Parametric" else told[:1]
@@ -184,6 +184,13 @@ def round_tangent(reader, axis):
         reader.known[key] = _along_surface(reader, of_object(reader, "NORMAL_OUT_OF", about))
         reader.shift = shift
     return reader.known[key]
+
+
+def usual_tangent(reader):
+    """Where nothing says another: round the object's z axis, on hair along it."""
+    if not reader.of_strands:
+        return round_tangent(reader, "Z")
+    return _along_surface(reader, of_object(reader, "VECTOR_OUT_OF", layer(reader, "STRAND", "tangent")[:3]))
 
 
 def _along_surface(reader, vector):

@@ -249,7 +249,7 @@ def _is_volume(ob):
 
 
 def _tubes(hair, matrix, owner, material, way, table):
-    number = table.index(material, *way)
+    number = table.index(material, *way, of_strands=True)
     return strands.tubes(hair, matrix, owner, number, table.layers_of([number]))
 
 

@@ -113,11 +113,8 @@ def tubes(strands, matrix, owner, material, wanted=()):
     layers = [{"layer": number, "data": _told(points @ np.linalg.inv(to_world).T, radii / even_size(to_world), ends, long, name)}
               for number, kind, name in wanted if kind == "STRAND"]
     layers += [{"layer": number, "data": numbers} for number, numbers in told]
-    # directions: from each point's neighbour before to the one after
-    number = np.arange(len(points))
-    first, last = np.repeat(ends - counts, counts), np.repeat(ends - 1, counts)
-    ahead = points[np.minimum(number + 1, last)] - points[np.maximum(number - 1, first)]
-    along = _unit(ahead)
+    number, last = np.arange(len(points)), np.repeat(ends - 1, counts)
+    along = _along(points, ends)
     side, up = _across(along)
     angle = 2 * np.pi * np.arange(sides) / sides
     # a polygon whose width is that of the circle, in the mean over all sides
@@ -144,12 +141,22 @@ def tubes(strands, matrix, owner, material, wanted=()):
                        for one in layers]}
 
 
+def _along(points, ends):
+    """Directions of strands at their points: from each one's neighbour before to the one after."""
+    counts, number = np.diff(ends, prepend=0), np.arange(len(points))
+    first, last = np.repeat(ends - counts, counts), np.repeat(ends - 1, counts)
+    return _unit(points[np.minimum(number + 1, last)] - points[np.maximum(number - 1, first)])
+
+
 def _told(points, radii, ends, numbers, name):
     """What nodes may ask of each point: which part of its strand's length lies before it, this length, a number by chance
-    for each strand and 1; or how thick it is there. numbers: of the strands."""
+    for each strand and 1; or how thick it is there, or which way it runs. numbers: of the strands."""
     told = np.zeros((len(points), 4))
     if name == "thickness":
         told[:, 0] = 2 * radii
+        return told
+    if name == "tangent":
+        told[:, :3] = _along(points, ends)
         return told
     counts = np.diff(ends, prepend=0)
     first = np.repeat(ends - counts, counts)

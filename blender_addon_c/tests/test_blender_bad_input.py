@@ -27,6 +27,8 @@ EXPECTED = {
     "broken_image": ("finished", "Warning: .*'steel': image 'broken.png' cannot be read: .*broken.png"),
     "no_image": ("finished", "Warning: .*'steel': 'Image Texture' has no image"),
     "eight_bit_normal_map": ("finished", "'bytes' has colour space 'sRGB': set it to Non-Color"),
+    "blunt_eight_bit_normal_map": ("finished", None),
+    "no_uv_area": ("finished", "Warning: .*'Plane': its UV map has no area: its tangent is the object's X axis"),
     "steep_normal_map": ("finished", "Warning: .*'steel': normal map 'steep' turns normals by more than 50 degrees in 10 % of it"),
     "less_steep_normal_map": ("finished", None),
     "bump_node": ("finished", "Warning: .*'steel': Height: 'Wireframe'.* not supported"),
@@ -167,7 +169,7 @@ def test_linking_of_what_does_not_shine_is_nothing(cases):
 
 
 def test_eight_bits(cases):
-    assert "'bytes' has 8 bits" in cases[0]["eight_bit_normal_map"][1]
+    assert "an 8-bit normal map is too coarse" in cases[0]["eight_bit_normal_map"][1]
 
 
 def test_a_world_that_is_left_out_is_black(cases):

@@ -161,6 +161,7 @@ CASES = [
     grooved(one("stretched", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": 0.6,
                                                  "Rotation": 0.1}, distribution="GGX")),
     grooved(one("stretched far", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.6, "Anisotropy": 0.9}, distribution="GGX")),
+    grooved(one("stretched, several", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.9, "Anisotropy": 0.8}, distribution="MULTI_GGX")),
     grooved(one("across", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": -0.6},
                 distribution="ASHIKHMIN_SHIRLEY")),
     grooved(one("round", "BsdfAnisotropic", {"Color": RED, "Roughness": 0.5, "Anisotropy": 0.6,

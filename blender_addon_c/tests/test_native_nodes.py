@@ -195,6 +195,44 @@ def test_what_it_says_of_a_plate(kind, tmp_path):
     np.testing.assert_allclose(vectors(planes, *channels), expected, atol=error)
 
 
+def drawn_out_albedo(ax, ay, count=400):
+    """Of GGX from straight above, by a sum over half vectors."""
+    u, turn = ((np.arange(count) + 0.5) / count)[:, None], 2 * np.pi * (np.arange(count) + 0.5) / count
+    theta = 0.25 * np.pi * u  # half vectors beyond send light below
+    h = np.stack(np.broadcast_arrays(np.sin(theta) * np.cos(turn), np.sin(theta) * np.sin(turn), np.cos(theta)))
+    density = 1 / (np.pi * ax * ay * ((h[0] / ax)**2 + (h[1] / ay)**2 + h[2]**2)**2)
+    to = 2 * h[2] * h - np.array([0, 0, 1])[:, None, None]
+    shadow = 0.5 * np.sqrt(1 + ((ax * to[0])**2 + (ay * to[1])**2) / to[2]**2) + 0.5
+    return (density * h[2] / shadow * np.sin(theta)).sum() * 0.25 * np.pi * 2 * np.pi / count**2
+
+
+@pytest.mark.parametrize("ax, ay", [(0.5, 0.5), (0.05, 1.0), (0.6, 0.15)])
+def test_albedo_of_lobes_that_are_drawn_out(tmp_path, ax, ay):
+    node = {"type": "ALBEDO", "alpha": [ax], "across": [ay], "along": [1.0, 0.0], "out": OUT[:3]}
+    planes, _ = dump(scene(materials=[material() | {"nodes": [node], "f0_from": OUT[:1] * 3}]), tmp_path / "d.exr")
+    np.testing.assert_allclose(vectors(planes, "Color", "RGB")[..., 0], drawn_out_albedo(ax, ay), rtol=0.01)
+
+
+# How the UVs of a plate fall together: to v = 0, to a slanted line, to a point.
+FALLEN = {"flat": (1.0, 0.0), "slanted": (0.3, 0.7), "point": (0.0, 0.0)}
+
+
+@pytest.mark.parametrize("case", FALLEN)
+def test_heights_where_a_map_has_no_area(tmp_path, case):
+    """A bump by u itself: along the line that is left, and nothing of a point."""
+    fallen = PLATE | {"corner_uvs": np.ascontiguousarray(U[:, None] * FALLEN[case] + 0.2, np.float32).ravel()}
+    steps = [{"type": "STEP", "axis": axis, "scale": 1.0, "otherwise": 0.25, "out": at} for axis, at in (("X", [4, 5]), ("Y", [6, 7]))]
+    heights = [{"type": "GEOMETRY", "what": "UV", **({"shift": shift} if shift else {}), "out": [first, 20, 21]}
+               for first, shift in ((8, None), (9, [4, 5]), (10, [6, 7]))]
+    bump = {"type": "BUMP", "height": [8, 9, 10], "along": [4, 5, 6, 7], "strength": [1.0], "distance": [1.0],
+            "normal": [0.0, 0.0, 1.0], "out": OUT[:3]}
+    given = material() | {"nodes": [*steps, *heights, bump], "normal": OUT[:3]}
+    planes, _ = dump(scene(materials=[given], meshes=[fallen]), tmp_path / "d.exr")
+    width = np.ptp(PLATE["positions"].reshape(-1, 3)[:, 0]) / np.ptp(U)
+    normal = unit(np.array((-FALLEN[case][0] / width, 0, 1)))
+    np.testing.assert_allclose(vectors(planes, "Ns"), np.broadcast_to(normal, (*planes["uv.U"].shape, 3)), atol=1e-4)
+
+
 # What Blender's nodes say where it is awkward: (operation, a, b, c) and the value, by Blender's manual and its formulas.
 MATHS = [
     ("ADD", 1.5, -4, 0, -2.5), ("SUBTRACT", -1, 2, 0, -3), ("MULTIPLY", -2, 3, 0, -6), ("MULTIPLY_ADD", -2, 3, 10, 4),

@@ -433,6 +433,42 @@ static void test_no_uv_at_all(void **state) {
   free_mesh(&m);
 }
 
+/* By rounding alone a map that has fallen to a slanted line has area: strokes go as without one,
+ * along the X axis, or where the surface faces that either way along the Y axis. */
+static void test_a_line(void **state) {
+  (void)state;
+  mesh m = tessellate(sphere, 12, 8);
+  for (size_t c = 0; c < 3 * m.triangles; c++)
+    m.uv[2 * c + 1] = m.uv[2 * c] * 0.3f + 0.1f;
+  for (int k = 0; k < 3; k++)
+    m.normal[k] = k ? 0.0f : -1.0f;
+  assert_int_equal(solve(&m), 3 * (long)m.triangles);
+  for (size_t c = 0; c < 3 * m.triangles; c++) {
+    const float *n = m.normal + 3 * c, *t = m.tangent + 4 * c;
+    const int axis = fabsf(n[0]) < 0.999f ? 0 : 1;
+    const float length = sqrtf(1 - n[axis] * n[axis]);
+    for (int k = 0; k < 3; k++)
+      assert_true(fabsf(t[k] - ((k == axis ? 1.0f : 0.0f) - n[axis] * n[k]) / length) < 1e-5f);
+  }
+  free_mesh(&m);
+}
+
+/* Triangles that a map leaves without area go as those at the same place. */
+static void test_beside_others(void **state) {
+  (void)state;
+  mesh m = new_mesh(2);
+  const point a = flat_point(0, 0, 0, 0), b = flat_point(0, 1, 1, 0);
+  add_triangle(&m, a, flat_point(1, 0, 0, 1), b); /* u along y */
+  add_triangle(&m, flat_point(0, 0, 0.5f, 0.5f), flat_point(0, 1, 0.5f, 0.5f),
+               flat_point(-1, 1, 0.5f, 0.5f));
+  assert_int_equal(solve(&m), 3);
+  for (int c = 3; c < 5; c++)
+    for (int k = 0; k < 4; k++)
+      assert_true(m.tangent[4 * c + k] == m.tangent[k]);
+  assert_true(m.tangent[4 * 5] == 1);
+  free_mesh(&m);
+}
+
 static void test_not_finite(void **state) {
   (void)state;
   const float bad[] = {NAN, INFINITY, -INFINITY};
@@ -601,6 +637,8 @@ int main(void) {
       cmocka_unit_test(test_long_normals),
       cmocka_unit_test(test_negative_zero),
       cmocka_unit_test(test_no_uv_at_all),
+      cmocka_unit_test(test_a_line),
+      cmocka_unit_test(test_beside_others),
       cmocka_unit_test(test_not_finite),
       cmocka_unit_test(test_extreme_sizes),
       cmocka_unit_test(test_zero_normal),

@@ -114,7 +114,20 @@ def no_image(scene):
 
 def eight_bit_normal_map(scene):
     _ob, tree, node = plate(scene)
+    node.ex, node.ey = 8000.0, 8000.0
     common.normal_map(tree, node, bpy.data.images.new("bytes", 4, 4))
+
+
+def blunt_eight_bit_normal_map(scene):
+    _ob, tree, node = plate(scene)
+    node.ex, node.ey = 1000.0, 10.0
+    common.normal_map(tree, node, bpy.data.images.new("few", 4, 4, is_data=True))
+
+
+def no_uv_area(scene):
+    ob, _tree, _node = plate(scene)
+    for corner in ob.data.uv_layers[0].data:
+        corner.uv = 0.3 * corner.uv.x + 0.1, 0.7 * corner.uv.x + 0.2
 
 
 def steep_normal_map(scene):
@@ -437,7 +450,7 @@ def text_and_curve(scene):
 CASES = [
     fine, empty, no_camera, no_light, no_uv, no_uv_matt, no_uv_textured, no_faces, missing_image,
     missing_normal_map,
-    broken_image, no_image, eight_bit_normal_map, steep_normal_map, less_steep_normal_map, bump_node, sky_color, ies, cycle,
+    broken_image, no_image, eight_bit_normal_map, blunt_eight_bit_normal_map, no_uv_area, steep_normal_map, less_steep_normal_map, bump_node, sky_color, ies, cycle,
     deep_nodes, too_many_nodes,
     other_uv_map, no_material, principled, light_linking, displaced, volume, volume_alone, subsurface, cloth_without_uv, mixed, hair, no_shader, many_shaders, flat_lights, no_strength, no_threshold, curve_of_no_number, portal, cycles_alone, world_volume, world_shader,
     world_without_image, world_of_nothing, blind,

@@ -1060,7 +1060,7 @@ def heights(options):
     tree.links.new(height, bump.inputs["Height"])
     if options.get("displaced"):
         displacement = tree.nodes.new(f"ShaderNode{options.get('by', 'Displacement')}")
-        displacement.space, displacement.inputs["Scale"].default_value = options["displaced"], 0.15
+        displacement.space, displacement.inputs["Scale"].default_value = options["displaced"], options.get("height", 0.15)
         tree.links.new(height, displacement.inputs[0])
         tree.links.new(displacement.outputs[0], output.inputs["Displacement"])
         if not options.get("chain"):
@@ -1107,7 +1107,7 @@ def grooves(options):
     exponents = [2 / (0.25 * by) ** 2 - 2 for by in (0.4, 1 / 0.4)]
     material, tree, node = common.metal(distribution="ASHIKHMIN_SHIRLEY", brdf="ASHIKHMIN_SHIRLEY", fresnel="NONE",
                                         detail=options["detail"] or "ROTATE", ex=exponents[0], ey=exponents[1],
-                                        **({} if options["transport"] else {"horizon": "VALID_REFLECTION"}))
+                                        horizon="VALID_REFLECTION")
     if not options["detail"]:
         tree.nodes.remove(node)
         node = tree.nodes.new("ShaderNodeBsdfAnisotropic")
@@ -1220,7 +1220,7 @@ def balls(options):
         common.tree_of(floor).nodes["Principled BSDF"].inputs["Base Color"].default_value = options["floor"]
         common.plane(floor, 2 * len(cases)).location = (0, -len(cases), -0.5)
     common.camera(scene, type="ORTHO", ortho_scale=len(cases))
-    scene.libshade.groove_transport = False
+    scene.libshade.groove_transport = options.get("transport", True)
     scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
     scene.cycles.samples, scene.cycles.blur_glossy = options["samples"], 0
     for settings in scene.cycles, scene.libshade:
