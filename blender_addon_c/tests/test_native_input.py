@@ -320,7 +320,8 @@ def test_extreme_materials_and_lights_stay_finite():
         assert any("clamped" in text for text in state["warnings"])
     render(scene(lights=[point((0, 0, 1e-30)), point((0, 0, 1e15), (1e30,) * 3), sun(angle=np.pi)]))
     for f0 in ((1, 1, 1), (0, 1, 1)):  # times a highlight's peak it would be no number
-        render(scene(lights=[point((0, 0, 2), (3e38, 0, 1))], materials=[material(ex=1e5, ey=1e5, f0=f0)]))
+        for strength in (3e38, -3e38):
+            render(scene(lights=[point((0, 0, 2), (strength, 0, 1))], materials=[material(ex=1e5, ey=1e5, f0=f0)]))
     render(scene(lights=[sun() for _ in range(40)]))
 
 
