@@ -254,7 +254,7 @@ def test_planes_tell_the_first_surface():
 
 def test_pictures_so_far_are_means_of_the_same_samples():
     """Asked for while more threads than cores add to it: what a pixel has and how many samples are of one pass."""
-    tiles, times = 32, 100
+    tiles, times = 32, few(100)
     given = {"width": tiles, "height": tiles, "samples": 65536, "threads": 16, "mattes": [{"type": "OBJECT"}], "matte_slots": 16,
              "planes": [{"type": "ALBEDO"}], "instances": [{"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "matte": (5.0, 0.0)}]}
     done = render(scene(width=tiles, height=tiles, samples=16))[0][0, 0]

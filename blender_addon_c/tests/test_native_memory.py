@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from native_scenes import MODULE, SANITIZED, finish, image, material, native, point, scene, sky, sphere
+from native_scenes import MODULE, SANITIZED, few, finish, image, material, native, point, scene, sky, sphere
 
 COST = 3.1
 
@@ -65,10 +65,10 @@ def test_a_hundred_jobs_hold_what_one_does():
         held(sky=sky(), images=rich["images"]) if number % 25 == 0 else None  # whose table takes longer than all else
     round_of(0)
     before = held()[0]
-    for number in range(100):
+    for number in range(few(100)):
         round_of(number)
     after = held()[0]
-    print(f"{after - before} bytes more after 100 rounds")
+    print(f"{after - before} bytes more after as many rounds")
     assert after == pytest.approx(before, abs=1 << 10)
 
 
