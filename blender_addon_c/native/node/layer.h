@@ -7,6 +7,7 @@
 #define LIBSHADE_NODE_LAYER_H
 
 #include "node/common.h"
+#include "scene/geometry.h"
 
 typedef struct node_layer {
   int layer, out[3], more; /* more: -1 where nothing asks for it */
