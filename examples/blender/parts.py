@@ -174,7 +174,7 @@ def render(path, engine, width, height, samples):
     scene.view_settings.look = next((look for look in ("Medium High Contrast", "AgX - Medium High Contrast")
                                      if _has_look(scene, look)), "None")
     scene.render.filepath = os.path.abspath(path)
-    scene.render.image_settings.file_format = "JPEG" if path.endswith(".jpg") else "PNG"
+    scene.render.image_settings.file_format = "JPEG" if str(path).endswith(".jpg") else "PNG"
     scene.render.image_settings.quality = 80  # of JPEG
     bpy.ops.render.render(write_still=True)
 
