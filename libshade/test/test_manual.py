@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The words of the manual: short sentences and paragraphs, no measured figure outside results/ and theory/, terms of the glossary
 linked where a page uses them first."""
+import functools
 import pathlib
 import re
 import runpy
@@ -24,6 +25,7 @@ ids = each(GUIDES)
 VERSIONS = {"2.28", "3.4", "3.7", "3.8", "4.0", "4.1", "4.2", "4.3", "4.4", "4.5", "5.0", "5.1", "5.2", "5.3", "3.10", "3.11", "3.12", "3.13"}
 
 
+@functools.cache
 def parts(page):
     """(line, text) of each paragraph, item and cell of a page; what is in code is left out."""
     found, text, start, fence = [], [], 0, None
