@@ -18,8 +18,8 @@ QUICK = ("This is the quick report: fewer methods, angles and runs than `make co
 @dataclass(frozen=True)
 class Section:
     """What the page shows of a study. commands: {command: keys of what it makes}; left: how many findings about times it does
-    not tell; topic, answers: its lines of the first table; apart: it has a page of its own, where the report says no more than
-    its last finding."""
+    not tell; topic, answers: its lines of the first table; apart: it has a page of its own, of which the report says no more
+    than its last finding; alone: this is that page."""
 
     name: str
     title: str
@@ -33,6 +33,7 @@ class Section:
     topic: str = ""
     answers: Sequence = ()
     apart: bool = False
+    alone: bool = False
 
 
 def left_out(count):
@@ -53,12 +54,17 @@ def anchor(section, part):
     return f"{section.name}-{part.id}"
 
 
+def late(section, figure):
+    """Whether a figure stands in the appendix: no finding leads to it, and the study has no page of its own."""
+    return not section.alone and figure.id not in {finding.figure for finding in section.findings}
+
+
 def numbered(sections):
     """{anchor: "Figure 3"} of all figures and tables, counted through the page as they stand there."""
     names = {}
     for word, parts in (("Figure", "figures"), ("Table", "tables")):
         found = [(section, part) for section in sections for part in getattr(section, parts)]
-        found.sort(key=lambda of: (of[0].name, of[1].id) != LEAD)
+        found.sort(key=lambda of: ((of[0].name, of[1].id) != LEAD, word == "Figure" and late(*of)))
         for count, (section, part) in enumerate(found, 1):
             name = anchor(section, part)
             if name in names:
@@ -139,7 +145,8 @@ def study(section, names):
 <p class="intro">{text(section.findings[-1].text) if section.findings else ""}
 <a href="{section.name}.html">Maps, findings and reasons</a></p>
 </section>"""
-    parts = [figure(section, part, names) for part in section.figures if (section.name, part.id) != LEAD]
+    parts = [figure(section, part, names) for part in section.figures
+             if (section.name, part.id) != LEAD and not late(section, part)]
     lines = "\n".join(sentence(section, finding, names) for finding in section.findings)
     return f"""<section id="{section.name}">
 <h2>{text(section.title)}</h2>
@@ -153,8 +160,10 @@ def study(section, names):
 
 def numbers(section, names):
     """A study's part of the appendix."""
+    figures = [figure(section, part, names) for part in section.figures if (section.name, part.id) != LEAD and late(section, part)]
     return f"""<div id="{section.name}-appendix">
 <h3 class="of">{text(section.title)}</h3>
+{chr(10).join(figures)}
 {chr(10).join(table(section, part, names) for part in section.tables)}
 {remake(section)}
 </div>"""
@@ -191,10 +200,10 @@ def words(page):
 
 def html(sections, head, quick, alone=False):
     """The page. sections: Section; head: {word: text}, what was measured where; alone: that of one study, of its own."""
-    names = numbered([section for section in sections if alone or not section.apart])
-    told = [replace(section, apart=False) for section in sections] if alone else sections
+    told = [replace(section, apart=False, alone=True) for section in sections] if alone else sections
+    names = numbered([section for section in told if not section.apart])
     listed = [*([("answers", "What to use")] if any(s.answers for s in told) else []), *((s.name, s.title) for s in told),
-              ("appendix", "Appendix: all numbers")]
+              ("appendix", "Appendix: all numbers, and more pictures")]
     contents = "\n".join(f'<li><a href="#{name}">{text(title)}</a></li>' for name, title in listed)
     facts = "\n".join(f"<div><dt>{word}</dt><dd>{text(said)}</dd></div>"
                       for word, said in head.items() if word != "command")
@@ -226,7 +235,7 @@ def html(sections, head, quick, alone=False):
 {'' if alone else answers(told, names)}
 {chr(10).join(study(section, names) for section in told)}
 <section id="appendix">
-<h2>Appendix: all numbers</h2>
+<h2>Appendix: all numbers, and more pictures</h2>
 {chr(10).join(numbers(section, names) for section in told if not section.apart)}
 </section>
 </main>
