@@ -94,8 +94,8 @@ def lobes(rows):
     ripples = error("lobes_6", "ripples")
     return [
         Answer("has a normal map, seen from afar", "with six lobes", f"{spread(cost, times)} one lobe",
-               (f"on even ripples: {spread(ripples, percent)} off; " if ripples else "")
-               + f"{percent(max(error('lobes_6', 'waves', 'scratches')))} elsewhere"),
+               (f"on even ripples: {spread(ripples, percent)} off; else " if ripples else "")
+               + f"colours are up to {percent(max(error('lobes_6', 'waves', 'scratches')))} off"),
         Answer("has one, and time is short", "with one lobe", "the least",
                f"up to {percent(max(error('lobes_1', 'waves', 'scratches')))} off on random bumps"),
     ]

@@ -98,7 +98,7 @@ def table(section, part, names):
     name = anchor(section, part)
     return f"""<div class="table" id="{name}">
 <p class="caption" id="{name}-caption"><b>{names[name]}.</b> <strong>{text(part.title)}</strong> {text(part.caption)}</p>
-<div class="scroll" tabindex="0" role="region" aria-label="{attribute(part.title)}"><table{' class="many"' if len(part.columns) > 8 else ""} aria-labelledby="{name}-caption">
+<div class="scroll" tabindex="0" role="region" aria-label="{attribute(part.title)}"><table{' class="many"' if len(part.columns) > 7 else ""} aria-labelledby="{name}-caption">
 <thead><tr>{heads}</tr></thead>
 <tbody>
 {body}

@@ -97,7 +97,7 @@ def findings(rows):
                 f"cloths, and a sample of it takes {min(near):.1f} to {max(near):.1f} times as long as one of near, of "
                 "which a pixel would need thousands.", worst["far"] < 0.02, "front"),
         Finding(f"One lobe a yarn, the papers' alternating exponents seen from afar, is {100 * least:.0f} to "
-                f"{100 * worst['single']:.0f} % off, in {min(cost):.1f} to {max(cost):.1f} times the far form's time: "
+                f"{100 * worst['single']:.0f} % off and takes {min(cost):.1f} to {max(cost):.1f} times as long: "
                 + ("quicker, and for backgrounds only." if max(cost) < 1 else "nothing speaks for it but its few tables."),
                 least > worst["far"] and worst["single"] > 5 * worst["far"], "front"),
     ]
