@@ -245,6 +245,9 @@ def test_regions_are_named(rows):
     failed = atlas_regions.regions(rows)
     assert {r.failure for r in failed} == set(atlas_regions.FAILS) and all(r.explained for r in failed)
     assert len({(r.form, r.failure) for r in failed}) == len(failed)
+    default = [r for r in failed if r.default]
+    assert 0 < len(default) < len(failed) / 4 and not any("printed" in r.form or r.form in ("hard", "perturb") for r in default)
+    assert ("valid_estevez", "asymmetry") in {(r.form, r.failure) for r in default}
     strange = changed(rows, lambda _: {"displaced": 4.0}, map="normal", form="rotate")
     assert any(r.name == "unexplained" for r in atlas_regions.regions(strange))
 
