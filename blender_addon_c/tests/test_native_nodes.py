@@ -221,11 +221,12 @@ FALLEN = {"flat": (1.0, 0.0), "slanted": (0.3, 0.7), "point": (0.0, 0.0)}
 def test_heights_where_a_map_has_no_area(tmp_path, case):
     """A bump by u itself: along the line that is left, and nothing of a point."""
     fallen = PLATE | {"corner_uvs": np.ascontiguousarray(U[:, None] * FALLEN[case] + 0.2, np.float32).ravel()}
-    steps = [{"type": "STEP", "axis": axis, "scale": 1.0, "otherwise": 0.25, "out": at} for axis, at in (("X", [4, 5]), ("Y", [6, 7]))]
-    heights = [{"type": "GEOMETRY", "what": "UV", **({"shift": shift} if shift else {}), "out": [first, 20, 21]}
-               for first, shift in ((8, None), (9, [4, 5]), (10, [6, 7]))]
-    bump = {"type": "BUMP", "height": [8, 9, 10], "along": [4, 5, 6, 7], "strength": [1.0], "distance": [1.0],
-            "normal": [0.0, 0.0, 1.0], "out": OUT[:3]}
+    at = registers(14, 12)
+    steps = [{"type": "STEP", "axis": axis, "scale": 1.0, "otherwise": 0.25, "out": to} for axis, to in (("X", at[:2]), ("Y", at[2:4]))]
+    heights = [{"type": "GEOMETRY", "what": "UV", **shift, "out": [to, *at[10:]]}
+               for to, shift in zip(at[4:7], ({}, {"shift": at[:2]}, {"shift": at[2:4]}))]
+    bump = {"type": "BUMP", "height": at[4:7], "along": at[:4], "strength": [1.0], "distance": [1.0], "normal": [0.0, 0.0, 1.0],
+            "out": OUT[:3]}
     given = material() | {"nodes": [*steps, *heights, bump], "normal": OUT[:3]}
     planes, _ = dump(scene(materials=[given], meshes=[fallen]), tmp_path / "d.exr")
     width = np.ptp(PLATE["positions"].reshape(-1, 3)[:, 0]) / np.ptp(U)
