@@ -54,7 +54,7 @@ def test_strands(blender, tmp_path, what):
         return  # Python cannot make any there
     pictures = []
     for engine, samples in ("LIBSHADE", 64), ("CYCLES", 128):
-        _, text = blender.scene("hairy", tmp_path, dump="", engine=engine, samples=samples, what=what, brushed=what == "hair")
+        _, text = blender.scene("hairy", tmp_path, dump="", engine=engine, samples=samples, what=what)
         pictures.append(averaged(tmp_path / "picture.exr"))
         if engine == "LIBSHADE":
             assert "Warning: libshade" not in text
