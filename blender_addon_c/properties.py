@@ -38,7 +38,7 @@ class LibshadeSettings(bpy.types.PropertyGroup):
     preview_samples: IntProperty(
         name="Viewport Samples",
         description="Samples per pixel in the viewport's Rendered mode",
-        default=8, min=1, soft_max=256, max=1 << 16,
+        default=16, min=1, soft_max=256, max=1 << 16,
     )
     seed: IntProperty(
         name="Seed",

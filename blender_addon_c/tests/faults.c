@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* For LD_PRELOAD: of the calls for memory by one library, which lies from `low` to `high`, one fails, or that and all
- * after it. */
+/* For LD_PRELOAD: of the calls for memory by one library, which lies from `low` to `high`, one
+ * fails, or that and all after it. */
 #include <errno.h>
 #include <stdatomic.h>
 #include <stddef.h>

@@ -113,16 +113,17 @@ bool denoise_run(const denoise_input *in, const char *path, const atomic_bool *c
 
 /* ---- without a library */
 
-enum { LEVELS = 5 };
+enum { LEVELS_FIRST = 5, LEVELS = 3 }; /* of one sample a pixel; of more, which need less */
 /* Where colours, surfaces' colours and normals differ by so much (squared) a neighbour has half its
- * weight; of colours by their brightness. */
-static const float color_scale = 0.3f, albedo_scale = 0.02f, normal_scale = 0.05f;
+ * weight; of colours by their brightness, and less from level to level. */
+static const float color_scale = 0.4f, calmer = 0.55f, albedo_scale = 0.02f, normal_scale = 0.05f;
 
 typedef struct wavelet {
   const denoise_input *in;
   const float *from;
   float *to;
   int step;
+  float scale; /* of colours */
 } wavelet;
 
 static float brightness(const float *c) {
@@ -161,15 +162,16 @@ static void wavelet_row(void *context, size_t y) {
   const int width = w->in->width, height = w->in->height;
   for (int x = 0; x < width; x++) {
     const size_t at = 3 * ((size_t)width * y + (size_t)x);
-    const float light = brightness(w->from + at);
+    const float light = brightness(w->from + at), *normal = w->in->normal + at;
     float sum[3] = {0}, all = 0.0f;
-    for (int k = 0; k < 9; k++) {
+    const bool nothing = normal[0] == 0 && normal[1] == 0 && normal[2] == 0; /* but the world */
+    for (int k = 0; k < 9 && !nothing; k++) {
       const int i = x + (k % 3 - 1) * w->step, j = (int)y + (k / 3 - 1) * w->step;
       if (i < 0 || j < 0 || i >= width || j >= height)
         continue;
       const size_t there = 3 * ((size_t)width * (size_t)j + (size_t)i);
       const float other = brightness(w->from + there), mean = light + other + 1e-3f;
-      const float apart = (light - other) * (light - other) / (mean * mean * color_scale) +
+      const float apart = (light - other) * (light - other) / (mean * mean * w->scale) +
                           distance2(w->in->albedo + at, w->in->albedo + there) / albedo_scale +
                           distance2(w->in->normal + at, w->in->normal + there) / normal_scale;
       const float weight = kernel[k % 3] * kernel[k / 3] / (1.0f + apart * apart);
@@ -188,10 +190,11 @@ bool denoise_simply(const denoise_input *in) {
   float *first = malloc(3 * pixels * sizeof *first + 1);
   float *second = malloc(3 * pixels * sizeof *second + 1);
   const bool good = first && second;
-  wavelet w = {.in = in, .from = second, .to = first, .step = 1};
+  const int levels = in->samples > 1 ? LEVELS : LEVELS_FIRST;
+  wavelet w = {.in = in, .from = second, .to = first, .step = 1, .scale = color_scale};
   if (good) {
     parallel_for(threads, height, calm_row, &w);
-    for (int level = 0; level < LEVELS; level++, w.step *= 2) {
+    for (int level = 0; level < levels; level++, w.step *= 2, w.scale *= calmer) {
       const float *made = w.to;
       w.to = level % 2 ? first : second;
       w.from = made;

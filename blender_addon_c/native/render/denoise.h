@@ -15,7 +15,7 @@ typedef struct denoise_input {
   float *color;        /* 4 floats a pixel: the first three are filtered where they are */
   const float *albedo; /* 3 floats a pixel each */
   const float *normal;
-  int threads;
+  int threads, samples;
 } denoise_input;
 
 /* False with a message where the library is missing or fails, with an empty one where *cancel

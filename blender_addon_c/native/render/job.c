@@ -43,10 +43,11 @@ static bool denoise(job *j) {
                            .color = color,
                            .albedo = albedo,
                            .normal = normal,
-                           .threads = j->scene->threads};
+                           .threads = j->scene->threads,
+                           .samples = j->scene->samples};
     const char *path = j->scene->denoiser;
     const bool optional = path && path[0] == '?';
-    const bool quick = optional && j->scene->samples == 1;
+    const bool quick = optional && input.samples == 1;
     good = !quick && denoise_run(&input, path + optional, &j->cancel, wrong, sizeof wrong);
     good = good || (optional && wrong[0] && denoise_simply(&input));
   }

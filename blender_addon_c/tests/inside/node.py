@@ -183,7 +183,7 @@ def test_sliders(node):
     assert {"shown_ax", "shown_ay", "shown_ex", "shown_ey", "Measured Metal", "distribution", "detail"} <= set(drawn)
     layout = Layout(drawn)
     type(node).draw_buttons(node, SimpleNamespace(object=None), layout)
-    assert drawn[-3:] == ["grain", "uv_map", "bump_response"]
+    assert drawn[-4:] == ["grain", "uv_map", "strokes", "bump_response"]
     assert layout.pointers == {"node": node}  # in a material's tab nothing else tells its operators
 
 

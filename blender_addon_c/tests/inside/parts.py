@@ -288,17 +288,18 @@ def test_slubs_in_cycles():
     assert np.abs(seen - 0.25 * (np.floor(u) + across)).max() < 2e-3, (seen, u)
 
 
-# What an artist finds: default, least, most; a person's, and Cycles' own where it has the setting, but for six.
+# What an artist finds: default, least, most; a person's, and Cycles' own where it has the setting, but for seven.
 SETTINGS = {
-    "samples": (64, 1, 1 << 16), "preview_samples": (8, 1, 1 << 16), "seed": (0, 0, 2**31 - 1), "max_bounces": (12, 0, 1024),
+    "samples": (64, 1, 1 << 16), "preview_samples": (16, 1, 1 << 16), "seed": (0, 0, 2**31 - 1), "max_bounces": (12, 0, 1024),
     "diffuse_bounces": (4, 0, 1024), "glossy_bounces": (4, 0, 1024), "transmission_bounces": (12, 0, 1024),
     "transparent_max_bounces": (8, 0, 1024), "sample_clamp_direct": (0, 0, 1e8), "sample_clamp_indirect": (10, 0, 1e8),
     "light_sampling_threshold": (0.01, 0, 1), "caustics_reflective": True, "caustics_refractive": True, "blur_glossy": (1, 0, 10),
     "texture_blur": (0.25, 0, 10), "filter_normals": True, "groove_transport": True, "pixel_filter_type": "BLACKMAN_HARRIS",
     "filter_width": (1.5, 0.01, 10), "soft_terminator": True, "use_adaptive_sampling": False, "adaptive_threshold": (0.01, 0, 1),
-    "adaptive_min_samples": (0, 0, 4096), "use_denoising": False, "use_animated_seed": False, "time_limit": (0, 0, 1e6)}
+    "adaptive_min_samples": (0, 0, 4096), "use_denoising": False, "use_preview_denoising": True, "use_animated_seed": False,
+    "time_limit": (0, 0, 1e6)}
 LAYER_SETTINGS = {"denoising_store_passes": False, "use_pass_shadow_catcher": False, "pass_debug_sample_count": False}
-UNLIKE_CYCLES = {"samples", "preview_samples", "use_adaptive_sampling", "use_denoising", "pass_debug_sample_count"}
+UNLIKE_CYCLES = {"samples", "preview_samples", "use_adaptive_sampling", "use_denoising", "use_preview_denoising", "pass_debug_sample_count"}
 
 
 def test_defaults_and_ranges_of_settings():
@@ -317,7 +318,7 @@ def test_defaults_and_ranges_of_settings():
 
 
 # Of ours in the menus: those that change nothing in the file, which need no undo
-UNDONE_BY_NOTHING = {"libshade.save_scene", "libshade.add_assets", "libshade.remove_assets"}
+UNDONE_BY_NOTHING = {"libshade.save_scene", "libshade.copy_report", "libshade.add_assets", "libshade.remove_assets"}
 
 
 def test_operators_are_undone():
@@ -432,7 +433,8 @@ def test_what_the_status_line_says():
 def test_errors_are_told_and_the_result_ends():
     engine, export, report = module("engine"), module("export"), module("report")
     scene = common.empty_scene()
-    for error, words in ((export.SceneError("no camera"), "libshade: no camera"), (MemoryError("of 9 GiB"), "libshade: out of memory: of 9"),
+    for error, words in ((export.SceneError("no camera"), "libshade: no camera"),
+                         (MemoryError("of 9 GiB"), "libshade: out of memory: of 9"),
                          (KeyError("in\nner"), "libshade: internal error: engine.py, line ")):
         for preview in (False, True):
             told, ended = [], []
