@@ -13,7 +13,7 @@ import damaged
 from native_scenes import few, render, scene
 from shade_render import COMBINED, TOOL, assert_same, made, parts_of, put_parts, run, scene_file
 
-COST = 4.1
+COST = 2.8
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-COST = 1
+COST = 0.9
 
 ROOT = Path(__file__).resolve().parents[2]
 SETUP = ROOT / "setup"

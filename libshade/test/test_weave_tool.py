@@ -15,7 +15,7 @@ import numpy
 import OpenImageIO
 import pytest
 
-COST = 4.1
+COST = 2.5
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))

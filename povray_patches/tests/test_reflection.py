@@ -190,13 +190,6 @@ def test_what_is_taken_as_the_nearest(render):
         assert log.count(message) == 1, words
 
 
-def test_alpha_is_of_what_the_camera_sees(render):
-    """A background that is see-through in the picture still shines on the metal."""
-    text = scene("reflection { samples 4 }", "background { rgb <1, .5, .25> }")
-    plain, clear = (render(text, (16, 12), ["+WT1", *more], dump=False).image for more in ([], ["+UA"]))
-    assert plain[..., 0].mean() > .3 and np.array_equal(plain, clear)
-
-
 def test_off_again(render):
     """A finish that begins with another one can leave its reflections out."""
     on = scene("reflection { }", "background { rgb 1 }")

@@ -692,7 +692,7 @@ def test_what_a_saved_scene_says():
             saved.scene_file.write = fails
             try:
                 saved.write("a.shscene", "layer", scene, passes, 1.0, [], "")
-                assert False
+                raise AssertionError("written all the same")
             except export.SceneError as told:
                 assert str(error) in str(told)
         told, seen = [], []
