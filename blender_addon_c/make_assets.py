@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-SAMPLES, SIZE, COLUMNS = 32, 192, 10
+SAMPLES, SIZE, COLUMNS = 64, 192, 10
 CATALOGS = ("Libshade", "Libshade/Metals", "Libshade/Fabrics", "Libshade/Grooves", "Libshade/Scratches")
 # Scratches that show on what is a metre large, in metres to a unit of UV, and what is between them.
 SCRATCHED_UNIT, SCRATCHES = 0.1, {"Density per cm²": 20.0, "Length mm": 10.0, "Width mm": 0.1, "Depth": 0.25}
@@ -309,8 +309,9 @@ def main(folder, sheet=None):
                          "Scratches": lambda: scratched(nodes, scratches)}[kind]()
                 for material, help_, tags in items:
                     mark(material, f"Libshade/{kind}", help_, tags)
-                    # circles are seen from above their middle
-                    ball.rotation_euler = (1.1, 0.2, 0.0) if "turned" in tags else (0.35, 0.0, 0.5)
+                    # circles are seen from above their middle, and strokes along y from the side
+                    ball.rotation_euler = (1.1, 0.2, 0.0) if "turned" in tags else (0.0, 0.0, 1.8) if "brushed" in tags and kind == "Metals" else (
+                        0.35, 0.0, 0.5)
                     if isinstance(material, bpy.types.Material):  # else the group in the one before
                         pictures.append(picture_of(ball, material, path))
                     show(material, pictures[-1])

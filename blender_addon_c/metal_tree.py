@@ -25,7 +25,7 @@ _LEAN = (1.0, 1e-3, 1e-6)
 TINTED = ("SCHLICK", "F82")  # Fresnels that Edge Tint tells
 # What strokes are like: alphas there, less those between; octaves after the coarsest, and how much weaker each is; their contrast;
 # widths in a length, and lengths round an axis.
-ROUGHER, OCTAVES, UNEVEN, CONTRAST, LENGTHS, A_TURN = 4.0, 8.0, 0.75, 1.2, 40.0, 2.0
+ROUGHER, OCTAVES, UNEVEN, CONTRAST, LENGTHS, A_TURN = 4.0, 8.0, 0.75, 1.2, 40.0, 0.5
 
 
 def axis_vector(axis):
