@@ -9,7 +9,7 @@ import pytest
 
 from blender_runs import rgba
 
-COST = 19
+COST = 14.3
 
 
 # case: (how it ends, what must be said); None: nothing

@@ -3,7 +3,7 @@
 
 import re
 
-COST = 5.2
+COST = 6
 
 
 def test_edits_show(blender_new, tmp_path):

@@ -12,7 +12,7 @@ import pytest
 
 from native_scenes import MODULE, SANITIZED, few, finish, image, material, native, point, scene, sky, sphere
 
-COST = 3.1
+COST = 2.8
 
 MEGABYTE = 1 << 20
 
@@ -95,7 +95,7 @@ def test_any_call_may_fail(tmp_path):
                           capture_output=True, text=True)
     print(MODULE, done.stdout)
     assert done.returncode == 0, done.stderr[-3000:]
-    assert all(int(calls) > 60 for calls in re.findall(r"^CALLS (\d+)$", done.stdout, re.M))
+    assert int(re.search(r"^CALLS (\d+)$", done.stdout, re.M).group(1)) > 100
     ends = eval(re.search(r"^ENDS (.*)$", done.stdout, re.M).group(1))
     assert {"MemoryError", "failed out of memory", "done "} <= set(ends) <= {
         "MemoryError", "failed out of memory", "failed out of memory in Embree", "done ", "gone"}, ends

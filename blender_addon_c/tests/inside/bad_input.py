@@ -459,7 +459,7 @@ CASES = [
 ]
 
 for case in CASES:
-    case(common.empty_scene(32, 24))
+    case(common.next_scene(32, 24))
     report = sys.modules[common.MODULE + ".report"]
     print("CASE", case.__name__, flush=True)
     end = "finished"
