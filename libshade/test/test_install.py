@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`make install`: what it puts where, that Python finds what is for it, that the programs of the manual compile against it by its commands, the interface, manual pages."""
+import itertools
+import json
 import math
 import os
 import pathlib
@@ -338,6 +340,26 @@ def test_library_page_cloth(prefix, tmp_path):
         queries.append((*at, r * math.cos(phi), r * math.sin(phi), z, 0., 0., 1.))
     white = sum(s[2] for s in answers(["fabric", "denim"], queries)) / len(queries) * 2 * math.pi
     assert out[6] == pytest.approx(white, rel=.02)
+
+
+def test_library_page_albedo(prefix, tmp_path):
+    """As a lattice of half vectors about n says, by the reference and the numbers of the preset."""
+    out = run_program(COOKBOOK[2], prefix, tmp_path, "shared")
+    metal = json.loads(run(ROOT / "build/shade", "presets", "brushed_steel", "--json"))["material"]
+    options = [word for name in ("mdf", "detail", "horizon", "ex", "ey") for word in (f"--{name}", str(metal[name]))]
+    n, across, step, queries, weights = (.28, 0., .96), (.96, 0., -.28), .01, [], []
+    for i, j in itertools.product(range(-36, 37), range(-84, 85)):
+        h = [n[k] + i * step * across[k] + j * step * (k == 1) for k in range(3)]
+        length = math.hypot(*h)
+        h = [x / length for x in h]
+        wi = [2 * h[2] * x for x in h[:2]] + [2 * h[2] * h[2] - 1]
+        cosine = sum(a * b for a, b in zip(n, wi))
+        if h[2] > 0 and wi[2] > 0 and cosine > 0:
+            queries.append((*n, *wi, 0., 0., 1.))
+            weights.append(cosine * 4 * h[2] * step**2 / length**3)
+    for k in range(3):  # red, green, blue
+        found = answers(["eval", "--what", "f", "--precision", "reference", *options, "--eta", str(metal["eta"][k]), "--k", str(metal["k"][k])], queries)
+        assert float(out[k]) == pytest.approx(sum(f * w for (f, *_), w in zip(found, weights)), rel=.005)
 
 
 @pytest.mark.parametrize("page", PAGES)

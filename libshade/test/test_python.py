@@ -10,6 +10,7 @@ import pickle
 import re
 import subprocess
 import sys
+import textwrap
 import warnings
 
 import numpy as np
@@ -130,6 +131,20 @@ def test_first_steps(capsys):
     fast, slow = (np.array(text.split(), float) for text in re.findall(r"\[([^]]*)\]", capsys.readouterr().out))
     assert len(fast) == 18 and (np.diff(fast[:8]) < 0).all()
     assert fast[4] / fast[0] < .5 * slow[4] / slow[0]
+
+
+def test_first_curve(tmp_path, monkeypatch):
+    """The page's picture, word for word: two curves that peak at different angles."""
+    pytest.importorskip("matplotlib")
+    page = (ROOT / "docs/start/python.md").read_text(encoding="utf-8")
+    code = re.search(r"^    import matplotlib.*\n(?:    .+\n)+", page, re.M)[0]
+    monkeypatch.chdir(tmp_path)
+    said = {}
+    exec(textwrap.dedent(code), said)
+    assert (tmp_path / "lobes.png").stat().st_size > 1000
+    peaks = [line.get_ydata().argmax() for line in said["plt"].gca().get_lines()]
+    said["plt"].close()
+    assert len(peaks) == 2 and peaks[0] != peaks[1]
 
 
 def test_reference_examples():
