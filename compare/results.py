@@ -24,7 +24,7 @@ FOLDER = programs.ROOT / "docs" / "results"
 README = programs.ROOT / "README.md"
 BEGIN, END = "<!-- results: `make compare` and `make bench` write what follows -->", "<!-- end of results -->"
 CYCLES = "Cycles' normal map"
-LICENCE = "<!-- SPDX-License-Identifier: Apache-2.0 -->"
+LICENCE = "<!-- SPDX-" "License-Identifier: Apache-2.0 -->"  # in two, or it would be this file's own
 HEAD = ("date", "machine", "compiler", "commit", "command")
 # the tables of the report that are kept: {study: id of its table}
 KEPT = {"speed": "errors", "precision": "numbers", "diffuse": "numbers", "lobes": "numbers", "cloth": "numbers",

@@ -7,7 +7,7 @@ import ast
 import numpy as np
 import pytest
 
-from blender_runs import ENGINES, ROOT, Dump, by_each, measured, rgba
+from blender_runs import ENGINES, ROOT, Dump, by_each, rgba
 
 COST = 76.5
 

@@ -179,7 +179,7 @@ PyObject *native_wif(PyObject *self, PyObject *arguments) {
   Py_ssize_t length;
   char message[512];
   (void)self;
-  static const char *const setts[] = {"spacing", "thickness", "even"};
+  static const char *const by[] = {"spacing", "thickness", "even"};
   double counts[2] = {1, 1};
   if (!PyArg_ParseTuple(arguments, "y#s|(dd):wif", &text, &length, &name, &counts[0], &counts[1]))
     return NULL;
@@ -203,7 +203,7 @@ PyObject *native_wif(PyObject *self, PyObject *arguments) {
       widths ? Py_BuildValue("{s:i,s:i,s:d,s:O,s:O,s:(dd),s:s,s:O}", "ends", d->ends, "picks",
                              d->picks, "weft_share", weft_share(d), "colored",
                              cloth_draft_tinted(d) ? Py_True : Py_False, "mended", told, "counts",
-                             counts[0], counts[1], "sett", setts[sett], "widths", widths)
+                             counts[0], counts[1], "sett", by[sett], "widths", widths)
              : NULL;
   Py_XDECREF(widths);
   Py_DECREF(told);
