@@ -51,12 +51,19 @@ def unlink(tree, socket):
 # ---- materials
 
 
+def even_metal(tree):
+    """A new node of ours, without the strokes that artists see first."""
+    made = tree.nodes.new(METAL)
+    made.strokes, made.grain, made.is_new = 0.0, "UV", False
+    return made
+
+
 def matt(material, node, left):
     """Another shader: Lambert's law in its base colour."""
     tree = material.node_tree
     color = next((tuple(node.inputs[name].default_value) for name in ("Base Color", "Color") if node and name in node.inputs),
                  tuple(material.diffuse_color))
-    made = tree.nodes.new(METAL)
+    made = even_metal(tree)
     made.fresnel, made.diffuse, made.kd = "NONE", "LAMBERT", color[:3]
     made.inputs["Color"].default_value = (0, 0, 0, 1)
     tree.links.new(made.outputs["BSDF"], tree.get_output_node("ALL").inputs["Surface"])
@@ -70,6 +77,9 @@ def metal(material, node, left):
         if name in node.inputs and node.inputs[name].is_linked:
             unlink(tree, node.inputs[name])
             left.say(f"what is linked to {name}", material.name)
+    if node.strokes > 0:
+        node.strokes = 0.0
+        left.say("strokes of the node, which no block of POV-Ray's has", material.name)
     node.fresnel = nodes.fresnel_of(node)
     node.kd, node.f82 = (node.inputs[name].default_value[:3] for name in (*nodes.MATT_COLOR, *nodes.EDGE))
     alphas = nodes.lobe(node) if nodes.sockets_rule(node, nodes.SHAPE) else (node.ax, node.ay)
@@ -92,7 +102,7 @@ def bumps(material, node, left):
 def anisotropic(material, node, left):
     """Cycles' shader: our metal of the same lobe; behind Libshade Groove its strokes go with the bumps, else they stay."""
     tree, normal = material.node_tree, fed_by(node.inputs["Normal"])
-    made = tree.nodes.new(METAL)
+    made = even_metal(tree)
     made.distribution, made.brdf, made.fresnel = "GGX", "MICROFACET", "NONE"
     made.inputs["Color"].default_value = node.inputs["Color"].default_value
     made.ax, made.ay = metal_tree.alphas_of(*(node.inputs[name].default_value for name in nodes.SHAPE))

@@ -38,7 +38,7 @@ def metal(color, grain="UV", turn=0.0, preset=None, **settings):
         node.inputs["Color"].default_value = (*color, 1)
     for word, value in settings.items():
         setattr(node, word, value)
-    node.grain = grain
+    node.grain, node.strokes = grain, 0.0
     node.inputs["Rotation"].default_value = turn
     return made
 

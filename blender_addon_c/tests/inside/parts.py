@@ -516,7 +516,7 @@ def test_what_is_greyed():
         def prop(self, _of, name, **_more):
             drawn[name] = self
 
-        def template_curve_mapping(self, *_which):
+        def template_curve_mapping(self, *_which, **_more):
             pass
         operator = template_curve_mapping
 
