@@ -33,6 +33,7 @@ def build():
         bpy.app.handlers.depsgraph_update_post.remove(update)
     scene = common.empty_scene(WIDTH, HEIGHT, 4)
     scene.libshade.preview_samples, scene.libshade.max_bounces = 4, 2
+    scene.libshade.use_preview_denoising = False  # or the pixels beside one that is elsewhere were, too
     picture = bpy.data.images.new("picture", 8, 8, float_buffer=True, is_data=True)
     picture.pixels.foreach_set(bumps(1))
     steel, tree, node = common.metal("steel", ex=40, ey=8)
