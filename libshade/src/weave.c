@@ -160,7 +160,10 @@ shade_sett shade_draft_sett(const shade_draft *draft, double per_cm[2]) {
       per_cm[k] = 1 / (apart[k] > 0 ? apart[k] : apart[!k]);
     return SHADE_SETT_SPACING;
   }
-  per_cm[0] = per_cm[1] = thicker > 0 ? 1 / thicker : sqrt(per_cm[0] * per_cm[1]);
+  const double before = per_cm[0] * per_cm[1];
+  per_cm[0] = per_cm[1] = thicker > 0                       ? 1 / thicker
+                          : before > 0 && before < INFINITY ? sqrt(before)
+                                                            : 1;
   return thicker > 0 ? SHADE_SETT_THICKNESS : SHADE_SETT_EVEN;
 }
 

@@ -424,6 +424,12 @@ static void colors_and_lengths(void **state) {
   assert_int_equal(shade_draft_sett(d, per_cm), SHADE_SETT_EVEN);
   assert_near(per_cm[0], 60, 1e-12);
   assert_near(per_cm[1], 60, 1e-12);
+  static const double odd[] = {0, -4, NAN, INFINITY};
+  for (int k = 0; k < 4; k++) {
+    double none[2] = {odd[k], 9};
+    assert_int_equal(shade_draft_sett(d, none), SHADE_SETT_EVEN);
+    assert_true(none[0] == 1 && none[1] == 1);
+  }
   d->weft[1].thickness = .05;
   d->warp[0].thickness = .02;
   assert_int_equal(shade_draft_sett(d, per_cm), SHADE_SETT_THICKNESS);

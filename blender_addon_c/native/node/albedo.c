@@ -7,21 +7,27 @@ static pthread_mutex_t making = PTHREAD_MUTEX_INITIALIZER;
 static float made[ALBEDO_LOBES][2 * ALBEDO_ROUGH * ALBEDO_EYE + ALBEDO_ROUGH];
 static bool whole[ALBEDO_LOBES];
 
-/* A row of the table; `clear`: with a clear body's Fresnel. */
-static bool fill(albedo_lobe lobe, double alpha, bool clear, float *row) {
+/* A lobe, its BRDF the distribution's own, that reflects all. */
+static shade_params ones_of(shade_mdf mdf) {
   shade_params p;
   shade_params_init(&p);
-  p.mdf = lobe == ALBEDO_GGX        ? SHADE_MDF_GGX
-          : lobe == ALBEDO_BECKMANN ? SHADE_MDF_BECKMANN
-                                    : SHADE_MDF_ASHIKHMIN_SHIRLEY;
-  p.brdf = lobe == ALBEDO_COSINES ? SHADE_BRDF_ASHIKHMIN_SHIRLEY : SHADE_BRDF_MICROFACET;
+  p.mdf = mdf;
+  p.fresnel = SHADE_FRESNEL_NONE;
+  for (int k = 0; k < 3; k++)
+    p.f0[k] = 1.0;
+  return p;
+}
+
+/* A row of the table; `clear`: with a clear body's Fresnel. */
+static bool fill(albedo_lobe lobe, double alpha, bool clear, float *row) {
+  static const shade_mdf mdfs[] = {SHADE_MDF_GGX, SHADE_MDF_BECKMANN, SHADE_MDF_ASHIKHMIN_SHIRLEY};
+  shade_params p = ones_of(mdfs[lobe]);
   p.fresnel = clear ? SHADE_FRESNEL_CONDUCTOR : SHADE_FRESNEL_NONE;
   p.ax = p.ay = fmax(alpha, 1e-3);
   p.ex = p.ey = fmax(2 / (p.ax * p.ax) - 2, 0);
   for (int k = 0; k < 3; k++) {
     p.eta[k] = 1.5;
     p.k[k] = 0.0;
-    p.f0[k] = 1.0;
   }
   shade_bsdf_albedo *a = shade_bsdf_albedo_create(&p, NULL);
   if (!a)
@@ -67,42 +73,50 @@ bool albedo_table_make(albedo_lobe lobe, const float **table) {
 static float pairs[PAIR_ROUGH * PAIR_ROUGH * (PAIR_ROW + 1)];
 static bool has_pairs;
 
-/* What a lobe of GGX, its Fresnel 1, reflects of even light to a direction: the mean over the
- * normals that it sees [Heitz2018] of what Smith's shadow leaves of the light. */
-static double drawn_out(double ax, double ay, const double v[3]) {
+/* What a lobe whose Fresnel is 1 reflects of even light towards v: the mean weight of its draws. */
+static double drawn_out(const shade_bsdf *b, const double v[3]) {
   enum { DRAWS = 256 };
-  double x = ax * v[0], y = ay * v[1], length = sqrt(x * x + y * y + v[2] * v[2]), sum = 0;
-  double eye = length / v[2]; /* 1 + 2 Lambda */
-  x /= length;
-  y /= length;
-  double z = v[2] / length, side = sqrt(x * x + y * y);
-  double a[3] = {side > 0 ? -y / side : 1, side > 0 ? x / side : 0, 0};
-  double b[3] = {-z * a[1], z * a[0], x * a[1] - y * a[0]};
+  float flat[DRAWS] = {0}, up[DRAWS], eye[3][DRAWS], u[2][DRAWS], out[8][DRAWS];
   for (int k = 0; k < DRAWS; k++) {
-    double u = (k + 0.5) / DRAWS, turn = 6.283185307179586 * fmod(k * 0.6180339887498949, 1);
-    double p = sqrt(u) * cos(turn), q = sqrt(u) * sin(turn), half = 0.5 * (1 + z);
-    q = (1 - half) * sqrt(1 - p * p) + half * q;
-    double up = sqrt(fmax(0, 1 - p * p - q * q));
-    double hx = ax * (p * a[0] + q * b[0] + up * x), hy = ay * (p * a[1] + q * b[1] + up * y);
-    double hz = fmax(0, q * b[2] + up * z), h2 = hx * hx + hy * hy + hz * hz;
-    double twice = 2 * (hx * v[0] + hy * v[1] + hz * v[2]) / h2;
-    double lx = twice * hx - v[0], ly = twice * hy - v[1], lz = twice * hz - v[2];
-    if (lz > 0)
-      sum += (1 + eye) / (eye + sqrt(ax * ax * lx * lx + ay * ay * ly * ly + lz * lz) / lz);
+    up[k] = 1.0f;
+    for (int c = 0; c < 3; c++)
+      eye[c][k] = (float)v[c];
+    u[0][k] = (float)fmod(k * 0.6180339887498949, 1);
+    u[1][k] = ((float)k + 0.5f) / DRAWS;
   }
+  const shade_sample_lanesf in = {.size = sizeof in,
+                                  .nx = flat,
+                                  .ny = flat,
+                                  .nz = up,
+                                  .wox = eye[0],
+                                  .woy = eye[1],
+                                  .woz = eye[2],
+                                  .u1 = u[0],
+                                  .u2 = u[1]};
+  const shade_sample_resultf to = {sizeof to, out[0], out[1], out[2], out[3],
+                                   out[4],    out[5], out[6], out[7]};
+  shade_bsdf_sample_batchf(b, DRAWS, &in, &to);
+  double sum = 0;
+  for (int k = 0; k < DRAWS; k++)
+    if (to.pdf[k] > 0) /* else none was found, which counts as 0 */
+      sum += (double)(to.r[k] * to.cosine[k] / to.pdf[k]);
   return sum / DRAWS;
 }
 
 static void make_pair(int i, int j) {
   const double x = i / (double)(PAIR_ROUGH - 1), y = j / (double)(PAIR_ROUGH - 1);
-  const double ax = fmax(x * x, 1e-3), ay = fmax(y * y, 1e-3);
   float *row = pairs + (i * PAIR_ROUGH + j) * PAIR_ROW;
   double sum = 0, weights = 0;
+  shade_bsdf b;
+  shade_params p = ones_of(SHADE_MDF_GGX);
+  p.ax = fmax(x * x, 1e-3);
+  p.ay = fmax(y * y, 1e-3);
+  shade_bsdf_setup(&b, &p);
   for (int k = 0; k < PAIR_EYE; k++)
     for (int l = 0; l < PAIR_TURN; l++) {
       double root = k / (double)(PAIR_EYE - 1), z = fmax(root * root, 2e-3), s = sqrt(1 - z * z);
       double turn = 1.5707963267948966 * l / (PAIR_TURN - 1);
-      double one = drawn_out(ax, ay, (double[]){s * cos(turn), s * sin(turn), z});
+      double one = drawn_out(&b, (double[]){s * cos(turn), s * sin(turn), z});
       double weight = (k % (PAIR_EYE - 1) ? 1 : 0.5) * (l % (PAIR_TURN - 1) ? 1 : 0.5) * z * root;
       row[k * PAIR_TURN + l] = (float)one;
       sum += weight * one;

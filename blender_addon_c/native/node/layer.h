@@ -31,10 +31,6 @@ static inline bool node_layer_build(node_layer *n, const node_place *place) {
   return true;
 }
 
-LEAF float larger_part(float a, float b) {
-  return a > b ? a : b;
-}
-
 /* Weights of the second and third corner, so far along u and v. As position by u and v
  * (scene.h, stretch): where the UV map says nothing of the surface, along its edges. */
 LEAF void layer_weights(const node_layer *n, lane_run g, const surfaces *restrict point,
@@ -48,12 +44,8 @@ LEAF void layer_weights(const node_layer *n, lane_run g, const surfaces *restric
     float u1 = record[at + 14] - u0, v1 = record[at + 15] - v0;
     float u2 = record[at + 22] - u0, v2 = record[at + 23] - v0;
     float area = u1 * v2 - u2 * v1;
-    float a = larger_part(fabsf(u0), fabsf(v0)),
-          b = larger_part(fabsf(record[at + 14]), fabsf(record[at + 15]));
-    float c = larger_part(fabsf(record[at + 22]), fabsf(record[at + 23]));
-    float longest =
-        larger_part(larger_part(fabsf(u1), fabsf(v1)), larger_part(fabsf(u2), fabsf(v2)));
-    bool good = uv_spans(area, larger_part(larger_part(a, b), c), longest);
+    bool good =
+        uv_spans(u0, v0, record[at + 14], record[at + 15], record[at + 22], record[at + 23]);
     float by = good ? 1.0f / area : 1.0f;
     wa[i] = point->w1[i] + (good ? (du[i] * v2 - dv[i] * u2) * by : du[i]);
     wb[i] = point->w2[i] + (good ? (dv[i] * u1 - du[i] * v1) * by : dv[i]);

@@ -75,10 +75,18 @@ typedef struct stretch {
   uint32_t edges; /* they are edges: how u and v go along those, the triangle's corners say */
 } stretch;
 
-/* Twice an area in UV that is more than the rounding of the UVs alone may make, by the largest of
- * them and the longest edge. */
-static inline bool uv_spans(float area, float largest, float longest) {
-  return fabsf(area) > 0x1p-21f * largest * longest + 1e-18f;
+static inline float uv_larger(float a, float b) {
+  return fabsf(a) > fabsf(b) ? fabsf(a) : fabsf(b);
+}
+
+/* Whether a triangle has an area in UV: more than the rounding of its UVs alone may make, by the
+ * largest of them and the longest edge. */
+static inline bool uv_spans(float u0, float v0, float u1, float v1, float u2, float v2) {
+  const float a = u1 - u0, b = v1 - v0, c = u2 - u0, d = v2 - v0;
+  const float largest =
+      uv_larger(uv_larger(uv_larger(u0, v0), uv_larger(u1, v1)), uv_larger(u2, v2));
+  const float longest = uv_larger(uv_larger(a, b), uv_larger(c, d));
+  return fabsf(a * d - c * b) > 0x1p-21f * largest * longest + 1e-18f;
 }
 
 /* A mesh that changes its shape, as it is kept: at each of its steps. */

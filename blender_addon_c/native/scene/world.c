@@ -120,10 +120,6 @@ static void find_heights(const float *const corner[3], triangle *out) {
     }
 }
 
-static float larger_of(float a, float b) {
-  return fabsf(a) > fabsf(b) ? fabsf(a) : fabsf(b);
-}
-
 /* Position by u and v, or by two edges where these are no measure. */
 static void find_stretch(const float *const corner[3], const triangle *t, stretch *out) {
   double u1 = (double)t->corner[1][6] - (double)t->corner[0][6];
@@ -131,11 +127,8 @@ static void find_stretch(const float *const corner[3], const triangle *t, stretc
   double u2 = (double)t->corner[2][6] - (double)t->corner[0][6];
   double v2 = (double)t->corner[2][7] - (double)t->corner[0][7];
   double area = u1 * v2 - u2 * v1;
-  float largest = 0;
-  for (int k = 0; k < 3; k++)
-    largest = larger_of(largest, larger_of(t->corner[k][6], t->corner[k][7]));
-  float longest = larger_of(larger_of((float)u1, (float)v1), larger_of((float)u2, (float)v2));
-  bool good = uv_spans((float)area, largest, longest);
+  bool good = uv_spans(t->corner[0][6], t->corner[0][7], t->corner[1][6], t->corner[1][7],
+                       t->corner[2][6], t->corner[2][7]);
   out->edges = !good;
   for (int k = 0; k < 3; k++) {
     double a = (double)corner[1][k] - (double)corner[0][k];
@@ -692,14 +685,8 @@ static size_t count_grooved(const scene *s, const mesh *m, size_t *lost) {
     if (!(of->traits & CLOSURE_GROOVED) || of->turned)
       continue;
     const float *a = m->corner_uv ? m->corner_uv + 6 * t : NULL;
-    float largest = 0;
-    for (int k = 0; a && k < 6; k++)
-      largest = larger_of(largest, a[k]);
-    float u1 = a ? a[2] - a[0] : 0, v1 = a ? a[3] - a[1] : 0, u2 = a ? a[4] - a[0] : 0;
-    float v2 = a ? a[5] - a[1] : 0;
-    float longest = larger_of(larger_of(u1, v1), larger_of(u2, v2));
     grooved++;
-    *lost += !uv_spans(u1 * v2 - u2 * v1, largest, longest);
+    *lost += !a || !uv_spans(a[0], a[1], a[2], a[3], a[4], a[5]);
   }
   return grooved;
 }

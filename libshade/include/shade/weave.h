@@ -285,7 +285,8 @@ typedef enum shade_sett { SHADE_SETT_SPACING, SHADE_SETT_THICKNESS, SHADE_SETT_E
  * thickness either, there are as many as before, sqrt(ends x picks) both ways.
  *
  * @param draft   the draft
- * @param per_cm  in: ends and picks per cm of the cloth that it is made into, above 0; out: its own
+ * @param per_cm  in: ends and picks per cm of the cloth that it is made into, above 0, else counted
+ *                as 1; out: its own, above 0
  * @return by what
  */
 SHADE_API shade_sett shade_draft_sett(const shade_draft *draft, double per_cm[2]);
