@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Esc: a job ends at once wherever it is, and leaves a whole picture."""
+"""Esc: a job ends at once wherever it is, and leaves a whole picture. What the denoiser gets and says, by one that stands in for
+Open Image Denoise (fake_denoiser.c)."""
 
+import subprocess
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from native_scenes import area, box, image, native, persp, point, scene, sky, some, sphere
+from native_scenes import area, box, finish, image, native, persp, point, scene, sky, some, sphere, sun
 from test_native_closures import TRANSLUCENT, diffuse, glass, glossy, of, weighed
 
-COST = 1.5
+COST = 2.2
 
 WORST = 0.3  # seconds
 CASES = {
@@ -56,3 +59,69 @@ def test_a_cancelled_render_ends_soon(name):
         assert np.isfinite(out).all()
     print(f"{name}: cancelled after {max(late):.3f} s at most")
     assert max(late) < WORST
+
+
+@pytest.fixture(scope="module")
+def fake(tmp_path_factory):
+    library = tmp_path_factory.mktemp("denoiser") / "fake.so"
+    subprocess.run(["cc", "-fPIC", "-shared", Path(__file__).parent / "fake_denoiser.c", "-o", library], check=True)
+    return library
+
+
+def denoised(path, **changes):
+    return native.start(scene(samples=4, meshes=[sphere(12)], lights=[sun((0.3, 0.2, 1), (9, 3, 1))], use_denoising=True,
+                              denoiser=str(path), planes=[{"type": "ALBEDO"}, {"type": "NORMAL"}], **changes))
+
+
+def pictures(job):
+    """The picture, as it was before, and the two planes that the denoiser looks at; from the bottom."""
+    made = [np.full((16, 16, channels), np.nan, np.float32) for channels in (4, 4, 3, 3)]
+    for out, plane in zip(made, ("", "NOISY", "ALBEDO", "NORMAL")):
+        native.image(job, out, plane)
+    native.free(job)
+    return made
+
+
+@pytest.mark.parametrize("before", ["", "?"])
+def test_what_the_denoiser_gets(fake, before):
+    """The light as it is, and what surfaces are, pixel by pixel."""
+    job = denoised(f"{before}{fake}")
+    state = finish(job)
+    assert state["state"] == "done" and not state["warnings"]
+    picture, noisy, albedo, normal = pictures(job)
+    assert noisy[..., :3].max() > 1.5 and (np.ptp(albedo, (0, 1)) > 0.2).all() and (np.ptp(normal, (0, 1)) > 0.5).all()
+    assert np.abs(noisy[8] - noisy[-9]).max() > 1e-3  # upside down it is another
+    np.testing.assert_allclose(picture[..., :3], noisy[::-1, :, :3] + 0.25 * (albedo + normal), rtol=1e-5, atol=1e-6)
+    assert (picture[..., 3] == noisy[..., 3]).all()
+
+
+def test_a_denoiser_that_fails_says_why(fake, monkeypatch):
+    monkeypatch.setenv("FAKE_ERROR", "no room for weights")
+    job = denoised(fake)
+    state = finish(job)
+    assert state["state"] == "done"
+    assert state["warnings"] == ["Open Image Denoise: no room for weights; the picture is as noisy as it was"]
+    picture, noisy, *_ = pictures(job)
+    assert (picture == noisy).all()
+
+
+def test_a_denoiser_that_is_no_library_is_named(tmp_path):
+    (tmp_path / "none.so").write_text("no library")
+    job = denoised(tmp_path / "none.so")
+    state = finish(job)
+    native.free(job)
+    assert state["state"] == "done"
+    assert state["warnings"] == ["Open Image Denoise was not found; the picture is as noisy as it was"]
+
+
+def test_esc_while_it_denoises_is_no_failure(fake, monkeypatch):
+    monkeypatch.setenv("FAKE_WAITS", "1")
+    job = denoised(fake)
+    while native.poll(job)["stage"] != "denoise":
+        assert not native.wait(job, 0.01)
+    assert not native.wait(job, 0.05), "it does not wait"
+    native.cancel(job)
+    state = finish(job)
+    assert state["state"] == "cancelled" and not state["warnings"] and not state["message"]
+    picture, noisy, *_ = pictures(job)
+    assert (picture == noisy).all()

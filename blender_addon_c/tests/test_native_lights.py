@@ -11,7 +11,7 @@ import pytest
 
 from native_scenes import ROOT, area, dump, material, native, ortho, point, render, scene, spot, sun, unit, vectors
 
-COST = 1.15
+COST = 1.2
 
 TYPES = native.table()["lights"]
 
@@ -68,6 +68,21 @@ def test_what_reaches_a_plate(kind, tmp_path):
     irradiance, direction = truth(vectors(planes, "P"))
     np.testing.assert_allclose(vectors(planes, "light0.E", "RGB"), irradiance, rtol=1e-5, atol=1e-6)
     np.testing.assert_allclose(vectors(planes, "light0.L"), unit(direction), atol=1e-6)
+
+
+@pytest.mark.parametrize("wide, high", [(1.0, 1.0), (2.0, 1.0), (1.0, 0.6), (1.5, 3.0)])
+def test_a_spot_s_cone_is_wide_or_narrow(wide, high, tmp_path):
+    """Across its axis lengths count so many times: a cone as narrow by that."""
+    z, x = unit(np.array((-0.3, 0.1, -1))), unit(np.array((1, 0.5, -0.25)))
+    y = np.cross(z, x)
+    light = spot((0.4, -0.3, 1.5), z, (3, 2, 1), angle=np.pi / 3, blend=0.5) | {"across_u": wide * x, "across_v": high * y}
+    light |= {key: tuple(light[key]) for key in ("across_u", "across_v", "direction")}
+    planes, _ = dump(scene(lights=[light]), tmp_path / "d.exr")
+    away = to(vectors(planes, "P"))
+    cosine = unit(np.stack([wide * (-away @ x), high * (-away @ y), -away @ z], -1))[..., 2]
+    part = faded((cosine - np.cos(np.pi / 6)) / (0.5 - 0.5 * np.cos(np.pi / 6)))
+    np.testing.assert_allclose(vectors(planes, "light0.E", "RGB"), (3, 2, 1) / (away**2).sum(-1)[..., None] * part[..., None],
+                               rtol=2e-5, atol=3e-6)
 
 
 def patterned(light, part, axes=np.eye(3), rows=256):

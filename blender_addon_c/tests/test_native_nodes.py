@@ -5,6 +5,7 @@ A kind that has no entry here, or that nothing in export/ asks for, fails.
 """
 
 import ast
+import colorsys
 import json
 import subprocess
 
@@ -14,7 +15,7 @@ import pytest
 from native_scenes import (ROOT, dump, image, material, mesh, native, ortho, persp, registers, render, scene, square, sun,
                            unit, vectors)
 
-COST = 3.5
+COST = 5.0
 
 KINDS = native.table()["nodes"]
 COLORS = np.random.default_rng(3).random((5, 7, 3), np.float32)
@@ -179,11 +180,60 @@ AWRY = {"layers": [{"width": 2}],
 NORMALS = ("NORMAL_MAP", "PERTURB", "BUMP", "BEND", "FRAME", "SCRATCHES")
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_what_it_says_of_a_plate(kind, tmp_path):
+def by_pixel(function):
+    """One of a pixel's numbers, as one of arrays."""
+    return lambda u, v: np.array([function(a, b) for a, b in zip(u.ravel(), v.ravel())]).reshape(*u.shape, 3)
+
+
+def bricks(u, v):
+    """Mortar of a wall whose every third row has wider bricks and whose every second one is moved."""
+    wide, high, mortar = 0.27, 0.137, 0.031
+    row = np.floor(v / high)
+    wide = np.where(row % 3 == 0, 1.7 * wide, wide)
+    x, y = (u + np.where(row % 2 == 0, 0.4 * wide, 0)) % wide, v % high
+    return np.minimum.reduce([x, wide - x, y, high - y]) < mortar
+
+
+def corners(metric):
+    """How far the lattice's corners are, the nearest first."""
+    return lambda u, v: np.sort([metric(np.abs(u - x), np.abs(v - y)) for x in range(-1, 3) for y in range(-1, 3)], 0)
+
+
+# The same kinds again, set otherwise: what differs from above, and how many of the numbers count; the others repeat them.
+AGAIN = [
+    ("HUE", {"color": [1.0, *UV[:2]]}, 3, stacked(lambda u, v: (v, v * (1 - u), v * (1 - u)))),  # red, as of 0
+    ("HUE", {"color": [UV[0], UV[1], 0.8]}, 3, by_pixel(lambda u, v: colorsys.hsv_to_rgb(u, v, 0.8))),
+    ("HUE", {"what": "HSL_TO_RGB", "color": [UV[0], 0.6, UV[1]]}, 3, by_pixel(lambda u, v: colorsys.hls_to_rgb(u, v, 0.6))),
+    *(("HUE", {"what": "RGB_TO_HSV", "color": color}, 3, by_pixel(lambda u, v, turned=turned: colorsys.rgb_to_hsv(*turned(u, v))))
+      for color, turned in (([*UV[:2], 0.4], lambda u, v: (u, v, 0.4)), ([0.4, *UV[:2]], lambda u, v: (0.4, u, v)))),
+    ("HUE", {"what": "RGB_TO_HSL", "color": [*UV[:2], 0.4]}, 3,
+     by_pixel(lambda u, v: [colorsys.rgb_to_hls(u, v, 0.4)[k] for k in (0, 2, 1)])),
+    ("BRICK", {"width": [0.27], "height": [0.137], "mortar": [0.031], "shift": 0.4, "squash": 1.7, "squash_each": 3}, 2,
+     stacked(lambda u, v: (0, bricks(u, v), 0))),
+    ("RAMP", {"smooth": False}, 3, lambda u, _v: TABLE[(u * 255).astype(int), :3]),
+    ("TRANSFORM", {"unit": True}, 3, lambda u, v: unit(np.stack([0.75 - 0.5 * v, 0.25 * u + 0.125, 0.5 + 0 * u], -1))),
+    ("CURVE", {"extend": False}, 1, stacked(lambda u, v: (np.interp(u, (0.25, 0.5, 0.75), (0.2, 0.6, 0.4)),) * 3)),
+    *(("VORONOI", {"feature": feature, "metric": metric, "exponent": [0.5]}, 1,
+       stacked(lambda u, v, far=far, k=k: (corners(far)(u, v)[k].clip(0, 1),) * 3))
+      for k, feature in enumerate(("F1", "F2")) for metric, far in (
+          ("EUCLIDEAN", np.hypot), ("MANHATTAN", np.add), ("CHEBYCHEV", np.maximum), ("MINKOWSKI", lambda x, y: (x**0.5 + y**0.5)**2))),
+    ("VORONOI", {"feature": "N_SPHERE_RADIUS"}, 1, stacked(lambda u, v: (0.5,) * 3)),  # half as far as the next
+    ("VORONOI", {"feature": "DISTANCE_TO_EDGE"}, 1,
+     stacked(lambda u, v: (np.minimum(np.abs(u - 0.5), np.abs(v - 0.5)),) * 3)),  # halfway between corners
+    *(("GEOMETRY", {"what": what}, 3, stacked(lambda u, v, value=value: value))
+      for what, value in (("BACKFACING", (0, 0, 0)), ("INCOMING", (0, 0, 1)), ("REFLECTION", (0, 0, 1)), ("NORMAL", (0, 0, 1)),
+                          ("TRUE_NORMAL", (0, 0, 1)), ("TANGENT", (1, 0, 0)))),
+    ("GEOMETRY", {"what": "POSITION"}, 3, stacked(lambda u, v: ((2 * u - 1).clip(0), (2 * v - 1).clip(0), 0))),
+    *(("PATH", {"what": what}, 1, stacked(lambda u, v, value=value: (value,) * 3))
+      for what, value in (("FILM", 1), ("SHADOW", 0), ("DIFFUSE", 0), ("GLOSSY", 0), ("SINGULAR", 0), ("REFLECTION", 0),
+                          ("TRANSMISSION", 0), ("DEPTH", 0), ("TRANSPARENT_DEPTH", 0)))]
+
+
+@pytest.mark.parametrize("kind, changes, many, truth", [(kind, {}, 3, None) for kind in KINDS] + AGAIN)
+def test_what_it_says_of_a_plate(kind, changes, many, truth, tmp_path):
     assert kind in NODES, f"{kind} is not tested: give it an entry in NODES"
-    node, truth = NODES[kind]
-    said = (node["out"] * 3)[:3] if "ALBEDO" not in kind else node["out"][:1] * 3
+    node, truth = {**NODES[kind][0], **changes}, truth or NODES[kind][1]
+    said = (node["out"][:many] * 3)[:3] if "ALBEDO" not in kind else node["out"][:1] * 3
     said = sorted(said) if kind == "FIBRES" else said  # the albedo first: b is negative, and f0 is not
     error = 0.005 if "ALBEDO" in kind else 0.01 if kind == "FIBRES" else 4e-5  # a table; 16 bits a texel
     given = material() | {"nodes": [*SOURCES, {"type": kind, **node}],

@@ -2,15 +2,19 @@
 """What a user sees of a render beside its light: threads, limits of numbers, images used twice, where there is no picture."""
 
 import os
+import shutil
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from native_scenes import image, native, of_means, ortho, render, scene, square, sun
+from native_scenes import MODULE, image, native, of_means, ortho, render, scene, square, sun
 from native_scenes import material as metal
 
-COST = 0.7
+COST = 1.0
 pytestmark = of_means  # nothing runs here that others do not run under sanitizers
 
 
@@ -84,3 +88,16 @@ def test_a_mirror_ball_has_no_corners(transparent):
     picture, _ = render(scene(camera=camera, width=16, height=16, samples=16, meshes=[], lights=[], background=(2, 2, 2), transparent=transparent))
     assert (picture[:2, :2] == (0, 0, 0, 1)).all() and (picture[-2:, -2:] == (0, 0, 0, 1)).all()
     assert (picture[6:10, 6:10] == ((0, 0, 0, 0) if transparent else (2, 2, 2, 1))).all()
+
+
+def test_a_library_that_cannot_be_loaded_is_named(tmp_path):
+    """The module's own and the system's, each with the reason; as the reason why there is no picture."""
+    shutil.copy(MODULE, tmp_path / "_native.abi3.so")
+    for name in ("libembree3.so.3", "libembree4.so.4"):
+        (tmp_path / name).write_text("no library")
+    script = "from native_scenes import finish, native, scene; state = finish(native.start(scene())); print(state['state'], state['message'])"
+    done = subprocess.run([sys.executable, "-c", script], cwd=Path(__file__).parent, text=True, capture_output=True, check=True,
+                          env={**os.environ, "NATIVE_MODULE": str(tmp_path / "_native.abi3.so"), "LD_LIBRARY_PATH": str(tmp_path)})
+    own, _, of_system = done.stdout.partition("; nor ")
+    assert own == f"failed cannot load {tmp_path}/lib/libshade_embree.so: cannot open shared object file: No such file or directory"
+    assert of_system.startswith(f"{tmp_path}/libembree") and "file too short" in of_system

@@ -177,6 +177,21 @@ def test_textured_reflectance(tmp_path):
         )
 
 
+@pytest.mark.parametrize("kind", [np.float32, np.uint8])
+def test_a_normal_map_of_codes_is_decoded(tmp_path, kind):
+    """One that is stored as sRGB says the light of its codes, with dark and bright parts."""
+    normals = np.array([[(0.0, 0.0, 1.0), (-0.96, 0.0, 0.28)], [(0.6, 0.0, 0.8), (0.5, -0.7, 0.51)]])
+    light = 0.5 + 0.5 * normals / np.linalg.norm(normals, axis=-1, keepdims=True)
+    code = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light**(1 / 2.4) - 0.055)
+    stored = code.astype(kind) if kind is np.float32 else np.round(255 * code).astype(kind)
+    value = stored / (1.0 if kind is np.float32 else 255.0)
+    value = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+    expected = 2 * value - 1
+    expected /= np.linalg.norm(expected, axis=-1, keepdims=True)
+    planes, _ = dump(scene(images=[image(stored, srgb=True, filter="CLOSEST")], materials=[material(normal_image=0)]), tmp_path / "d.exr")
+    np.testing.assert_allclose(vectors(planes, "Ns"), np.repeat(np.repeat(expected, 8, 0), 8, 1), atol=2e-4)
+
+
 @pytest.mark.parametrize("wrap", ["REPEAT", "EXTEND", "CLIP"])
 @pytest.mark.parametrize("height, width", [(5, 7), (1, 1), (1, 4), (4, 1), (2, 1), (1, 2), (2, 2)])
 def test_bilinear_and_wrap(tmp_path, wrap, height, width):
