@@ -482,6 +482,14 @@ def test_what_depends_on_the_normal_alone():
     assert np.abs(nearest - by_normal - 0.1 * curved).mean() == pytest.approx(0.1, rel=0.02)
 
 
+@pytest.mark.parametrize("words, size, folder", [([], 512, "truth"), (["--light", "sky"], 256, "truth-sky"), (["--surface", "scratches"], 512, "truth-scratches"),
+                                                 (["--light", "sky", "--size", "64"], 64, "truth-sky")])
+def test_truth_s_defaults(words, size, folder):
+    """As --help says them."""
+    options = truth.arguments(words)
+    assert (options.size, options.output.name, options.samples, options.quads, options.map) == (size, folder, 256, 800, 2048)
+
+
 @pytest.mark.parametrize("words", [["--light", "sky", "--size", "40"], ["--sky", __file__],
                                    ["--light", "sky", "--sky", "gone.exr"],
                                    ["--light", "sky", "--surface", "scratches"]])

@@ -184,6 +184,10 @@ def test_progress_shows_a_program_s_percentage(tmp_path, capsys, monkeypatch):
     report.step("Drawing", ["sh", "-c", "echo Rendered 3 of 12 pixels '(25%)'"], tmp_path / "log")
     shown = capsys.readouterr().err
     assert "\rDrawing … 25 %" in shown and shown.endswith("s   \n")
+    progress = report.Progress("Drawing")
+    progress.read("Rendered 3 (25 %)\rRendered 6 (50 %)")  # as two reach it at once
+    progress.read("and goes on")
+    assert progress.seen == "50 %"
 
 
 def test_an_interrupted_step_leaves_no_program(tmp_path, monkeypatch):

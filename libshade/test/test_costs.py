@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests cost, as their files say (setup/costs.py), is no more than a person waits for."""
+import importlib.util
+from types import SimpleNamespace
+
 import costs
 
 COST = 0.24
@@ -22,3 +25,21 @@ def test_what_goes_apart_costs_as_well():
     for file in costs.files():
         assert costs.cost(file) == sum([costs.said(file, "COST", 0), *costs.said(file, "ALONE", {}).values()]), file
     assert costs.cost("blender_addon_c/tests/test_native_build.py") > 2 * costs.said("blender_addon_c/tests/test_native_build.py", "COST", 0) > 0
+
+
+def test_what_takes_longest_begins_first():
+    """By what a worker keeps together: a file, some files, or a test that goes apart."""
+    spec = importlib.util.spec_from_file_location("the_order_of_tests", costs.ROOT / "conftest.py")
+    order = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(order)
+    items = [SimpleNamespace(nodeid=f"{file}::test_it") for file in costs.files() if file.endswith(".py")]
+    build = "blender_addon_c/tests/test_native_build.py"
+    alone = {f"{build}::{test}[x]": seconds for test, seconds in costs.said(build, "ALONE", {}).items()}
+    items += [SimpleNamespace(nodeid=name) for name in alone]
+    order.pytest_collection_modifyitems(items)
+    together = {}
+    for item in items:
+        file = item.nodeid.split("::")[0]
+        together.setdefault(order.scope(item.nodeid), {})[file] = alone.get(item.nodeid, costs.said(file, "COST", 0))
+    spent = [sum(together[order.scope(item.nodeid)].values()) for item in items]
+    assert spent == sorted(spent, reverse=True) and spent[0] > 50 * spent[-1] and all(order.scope(name) == name for name in alone)

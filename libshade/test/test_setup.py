@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-up where there is no apt: what is missing is named as that system names it. And of the whole house: one version, and what is new
 in it."""
+import importlib.util
 import os
 import re
 import shutil
@@ -8,8 +9,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
-COST = 0.9
+COST = 1.5
 
 ROOT = Path(__file__).resolve().parents[2]
 SETUP = ROOT / "setup"
@@ -55,6 +57,29 @@ def test_elsewhere_by_the_names_of_debian(run):
     assert "sudo" not in done.stderr
 
 
+def test_help_lists_the_commands_and_clean_takes_what_they_made():
+    """Of lines that a person types as they are; each is a goal."""
+    def said(*words):
+        return subprocess.run(["make", "--no-print-directory", "NEEDS=", *words], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    rows = said("help").splitlines()
+    assert all(row.startswith("make ") for row in rows) and len(rows) > 25
+    goals = {re.match(r"make ([\w.-]*)", row)[1] for row in rows} - {""}
+    text = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "Makefile", *ROOT.glob("*/*.mk")))
+    assert {"demo", "check", "blender", "povray", "compare", "install", "clean"} <= goals
+    assert all(re.search(rf"^[^\t#]*\b{re.escape(goal)}\b[^:=]*:", text, re.M) for goal in goals)
+    assert said("-n", "B=some/where", "clean").split() == ["rm", "-rf", "some/where", "compile_commands.json"]
+
+
+@pytest.mark.parametrize("size, cut", [((10, 40), (0, 30, 10, 40)), ((40, 10), (15, 0, 25, 10)), ((10, 10), (0, 0, 10, 10))])
+def test_pictures_are_cut_at_their_sides_or_on_top(size, cut):
+    spec = importlib.util.spec_from_file_location("pictures_of_readme", SETUP / "pictures.py")
+    pictures = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(pictures)
+    whole = Image.new("L", size)
+    whole.putdata([(7 * x + 3 * y) % 256 for y in range(size[1]) for x in range(size[0])])
+    assert list(pictures.fitted(whole, 10, 10).getdata()) == list(whole.crop(cut).getdata())
+
+
 def test_every_package_has_a_row():
     rows = [line.split() for line in (SETUP / "elsewhere.txt").read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
     assert all(len(row) == 4 and ":" in row[1] for row in rows)
@@ -68,7 +93,8 @@ def test_every_package_has_a_row():
 
 # What stands for Debian's programs: packages in `installed` are; apt-get logs what it is asked and, `fails` times, fails; id says who
 # it is.
-DEBIAN = {"dpkg-query": 'for name; do :; done; grep -qx "$name" installed && printf installed || exit 1',
+DEBIAN = {"dpkg-query": 'for name; do :; done; if grep -qx "$name" installed; then printf installed; elif grep -qx "$name" removed; then printf config-files; '
+                        'else exit 1; fi',
           "apt-get": 'echo "$*" >>log; case " $* " in *" install "*) if [ -s fails ]; then sed -i 1d fails; exit 1; fi; for w; do case $w in -*|install|A*|D*) ;; '
                      '*) echo "$w" >>installed ;; esac; done ;; esac',
           "id": "cat user", "sudo": 'echo sudo >>log; exec "$@"'}
@@ -77,7 +103,7 @@ DEBIAN = {"dpkg-query": 'for name; do :; done; grep -qx "$name" installed && pri
 @pytest.fixture
 def debian(tmp_path):
     """apt.sh where the packages of `there` are installed, as root or not, with sudo or not: it, and what apt-get was asked."""
-    def debian(*wanted, there=(), root=True, sudo=False, fails=0):
+    def debian(*wanted, there=(), removed=(), root=True, sudo=False, fails=0):
         folder = tmp_path / "bin"
         if not folder.exists():
             folder.mkdir()
@@ -88,7 +114,7 @@ def debian(tmp_path):
             if word != "sudo" or sudo:
                 (folder / word).write_text(f"#!/bin/sh\n{text}\n")
                 (folder / word).chmod(0o755)
-        for name, text in (("installed", "".join(f"{name}\n" for name in there)), ("user", "0" if root else "1000"), ("fails", "x\n" * fails),
+        for name, text in (("installed", "".join(f"{name}\n" for name in there)), ("removed", "".join(f"{name}\n" for name in removed)), ("user", "0" if root else "1000"), ("fails", "x\n" * fails),
                            ("log", ""), ("packages.txt", "# a list\n" + "".join(f"{name} # why\n" for name in wanted))):
             (tmp_path / name).write_text(text)
         done = subprocess.run(["/bin/sh", SETUP / "apt.sh", "packages.txt"], capture_output=True, text=True, cwd=tmp_path, check=False,
@@ -109,6 +135,7 @@ def test_debians_packages_are_installed(debian):
     done, asked = debian("gcc", "make", there=["gcc"])
     assert done.returncode == 0 and asked == ["update", "make"] and "installing Debian packages: make" in done.stdout
     assert debian("gcc", "make", "sed", root=False, sudo=True)[1] == ["sudo", "gcc make sed"]
+    assert debian("gcc", "make", there=["gcc"], removed=["make"])[1] == ["make"]  # its settings are left there
     done, asked = debian("gcc", fails=1)
     assert done.returncode == 0 and asked == ["gcc", "update", "gcc"]
     done, asked = debian("gcc", fails=2)
