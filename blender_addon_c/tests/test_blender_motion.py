@@ -111,13 +111,13 @@ def test_depth_of_field(blender_new, tmp_path):
 
 
 def test_a_lens_of_another_width_than_height(blender_new, tmp_path):
-    """Ratio 4: all that is out of focus is blurred up and down, as in Cycles, and hardly to the sides."""
+    """Ratio 4: all that is out of focus is blurred up and down, as in Cycles, and hardly to the sides; by three blades, turned."""
     pictures = []
     for engine, samples in ("LIBSHADE", 256), ("CYCLES", 256):
         blender_new.scene("moving", tmp_path, dump="", engine=engine, samples=samples, what=["moving_object"], blur=False,
-                        lens={"aperture_fstop": 0.05, "aperture_ratio": 4.0, "focus_distance": 2.0})
+                        lens={"aperture_fstop": 0.05, "aperture_ratio": 4.0, "focus_distance": 2.0, "aperture_blades": 3, "aperture_rotation": 1.2})
         pictures.append(averaged(tmp_path / "picture.exr"))
     ours, theirs = pictures
     apart = np.abs(ours - theirs).mean() / theirs.mean()
     print(f"relative error {apart:.4f}")
-    assert apart < 0.02
+    assert apart < 0.007  # turned the other way .015

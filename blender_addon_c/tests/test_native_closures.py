@@ -259,9 +259,27 @@ def velvet(sigma):
 RIM = {"closure": "SHEEN", "model": "SCHLICK"}, lambda nl, nv, nh, lh: (1 - lh) ** 5
 
 
-@pytest.mark.parametrize("lobe", [coat(0.05), coat(0.6), velvet(0.3), velvet(1.5), RIM],
-                         ids=["sharp coat", "coat", "narrow velvet", "velvet", "rim"])
-@pytest.mark.parametrize("tilt", [0.0, 0.4, 1.1])
+def burley(rough):
+    def f(nl, nv, _nh, lh):
+        fl, fv, rr = (1 - nl) ** 5, (1 - nv) ** 5, 2 * rough * lh**2
+        return ((1 - fl / 2) * (1 - fv / 2) + rr * (fl + fv + fl * fv * (rr - 1))) / math.pi
+
+    return diffuse("BURLEY", rough), f
+
+
+def oren_nayar(rough):
+    """As Fujii replaced the tangents."""
+    def f(nl, nv, _nh, lh):
+        a, s = 1 / (1 + (0.5 - 2 / (3 * math.pi)) * rough), 2 * lh**2 - 1 - nl * nv
+        return a * (1 + rough * (s / max(nl, nv) if s > 0 else s)) / math.pi
+
+    return diffuse("OREN_NAYAR", rough), f
+
+
+@pytest.mark.parametrize("lobe", [coat(0.05), coat(0.6), velvet(0.3), velvet(1.5), RIM, burley(0.3), burley(1.0), oren_nayar(0.4),
+                                  oren_nayar(1.0)],
+                         ids=["sharp coat", "coat", "narrow velvet", "velvet", "rim", "burley", "rough burley", "oren", "rough oren"])
+@pytest.mark.parametrize("tilt", [0.0, 0.4, 1.1, -1.3])
 def test_coats_and_sheens_of_a_plate_in_the_sun(lobe, tilt):
     """Beside a matt white plate's 1 / pi, from above and from the side."""
     closure, f = lobe

@@ -178,12 +178,16 @@ def test_a_closed_box_keeps_a_strong_sky_out():
 
 
 def test_a_wall_stops_what_a_ray_would_meet():
-    """A mirror under a light, with a plate between them; the light behind it gives nothing."""
+    """A mirror under a light, with a plate between them; the light behind it gives nothing, unless it throws no shadows."""
     lid = mesh([[-9, -9, 1], [9, -9, 1], [9, 9, 1], [-9, 9, 1]], [[0, 1, 2], [0, 2, 3]])
     view = {"camera": ortho(half=1e-3, eye=(0.4, 0, 0.5)), "materials": [SURFACES["sharp"]],
             "lights": [area((-1, 0, 2), (3, 3), (9, 9, 9))], "samples": 256, "width": 8, "height": 8}
     assert picture(**view).mean() > 0.1
     assert (picture(**view, meshes=[square(), lid]) == 0).all()
+    view["lights"] = [light | {"shadow": False} for light in view["lights"]]  # as if it were not there
+    open_, shut = (picture(**view, meshes=meshes).mean((0, 1)) for meshes in ([square()], [square(), lid]))
+    assert open_.mean() > 0.1
+    np.testing.assert_allclose(shut, open_, rtol=1e-5)
 
 
 @pytest.mark.parametrize("lights", [0, 1, 20])

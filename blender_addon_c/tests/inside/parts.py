@@ -226,7 +226,7 @@ def test_balls_at_points():
 
 
 def test_the_focus_is_on_a_bone():
-    """Which stands in its object, moved and stretched; without a bone of that name it is on the object."""
+    """Which stands in its object, moved and stretched; without a bone of that name it is on the object. Behind the camera it is as far."""
     scene = common.empty_scene()
     camera = common.camera(scene, (0, 0, 10))
     bones = bpy.data.armatures.new("bones")
@@ -240,11 +240,11 @@ def test_the_focus_is_on_a_bone():
     ob.location, ob.scale = (0, 0, 1), (1, 1, 1.5)
     dof = camera.data.dof
     dof.use_dof, dof.focus_object = True, ob
-    for name, distance in (("tip", 6), ("none", 9)):
-        dof.focus_subtarget = name
+    for place, name, distance in ((10, "tip", 6), (10, "none", 9), (-2, "tip", 6), (-2, "none", 3)):
+        camera.location.z, dof.focus_subtarget = place, name
         depsgraph = bpy.context.evaluated_depsgraph_get()
         found = module("export.camera")._focus_distance(camera.evaluated_get(depsgraph), dof, depsgraph)
-        assert abs(found - distance) < 1e-5, (name, found)
+        assert abs(found - distance) < 1e-5, (place, name, found)
 
 
 def test_custom_cameras_are_named():
@@ -455,6 +455,7 @@ def test_errors_are_told_and_the_result_ends():
     said = SimpleNamespace(errors=("bad",), warnings=("odd", "old"))
     report.keep(scene, said, ("native",))
     assert report.told(scene) == [("bad", True), ("odd", False), ("old", False), ("native", False)]
+    assert report.whole(scene).splitlines()[1:] == ["Error: bad", "Warning: odd", "Warning: old", "Warning: native"], report.whole(scene)
     report.keep_failure(scene, "odd")
     assert report.told(scene) == [("odd", True), ("bad", True), ("odd", False), ("old", False), ("native", False)] or \
         report.told(scene)[0] == ("odd", True)
