@@ -12,7 +12,7 @@ import pytest
 from native_scenes import area, box, finish, image, native, persp, point, scene, sky, some, sphere, sun
 from test_native_closures import TRANSLUCENT, diffuse, glass, glossy, of, weighed
 
-COST = 2.2
+COST = 2.4
 
 WORST = 0.3  # seconds
 CASES = {
@@ -68,8 +68,8 @@ def fake(tmp_path_factory):
     return library
 
 
-def denoised(path, **changes):
-    return native.start(scene(samples=4, meshes=[sphere(12)], lights=[sun((0.3, 0.2, 1), (9, 3, 1))], use_denoising=True,
+def denoised(path, samples=4, **changes):
+    return native.start(scene(samples=samples, meshes=[sphere(12)], lights=[sun((0.3, 0.2, 1), (9, 3, 1))], use_denoising=True,
                               denoiser=str(path), planes=[{"type": "ALBEDO"}, {"type": "NORMAL"}], **changes))
 
 
@@ -93,6 +93,17 @@ def test_what_the_denoiser_gets(fake, before):
     assert np.abs(noisy[8] - noisy[-9]).max() > 1e-3  # upside down it is another
     np.testing.assert_allclose(picture[..., :3], noisy[::-1, :, :3] + 0.25 * (albedo + normal), rtol=1e-5, atol=1e-6)
     assert (picture[..., 3] == noisy[..., 3]).all()
+
+
+@pytest.mark.parametrize("before, samples, by_it", [("", 1, True), ("?", 4, True), ("?", 1, False)])
+def test_a_first_look_does_not_wait_for_the_denoiser(fake, monkeypatch, before, samples, by_it):
+    """One sample of a viewport goes through the simple filter, if the denoiser could as well."""
+    monkeypatch.setenv("FAKE_ERROR", "asked")
+    job = denoised(f"{before}{fake}", samples)
+    state = finish(job)
+    assert any("asked" in text for text in state["warnings"]) == (by_it and not before)
+    picture, noisy, *_ = pictures(job)
+    assert (picture == noisy).all() == (not before)
 
 
 def test_a_denoiser_that_fails_says_why(fake, monkeypatch):

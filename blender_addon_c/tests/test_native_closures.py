@@ -334,6 +334,27 @@ def test_bounces_of_each_kind_have_their_end(kind, key, place):
         assert brightness == (0 if word in stops else pytest.approx(1, abs=0.03)), word
 
 
+# What nodes say of the ray that goes on from a closure, of PATH's words.
+CAME = {"matt": (diffuse(), 4, "DIFFUSE REFLECTION"), "gloss": (glossy(0.3), 4, "GLOSSY REFLECTION"),
+        "mirror": (glossy(1e-4), 4, "GLOSSY REFLECTION SINGULAR"), "refraction": (glass(0.3, reflects=False), -2, "GLOSSY TRANSMISSION"),
+        "clear": (glass(1e-4, reflects=False), -2, "GLOSSY TRANSMISSION SINGULAR"),
+        "translucent": (TRANSLUCENT, -2, "DIFFUSE TRANSMISSION"), "transparent": (TRANSPARENT, -2, "CAMERA FILM")}
+
+
+@pytest.mark.parametrize("name", CAME)
+def test_what_a_ray_says_it_is_behind_each_closure(name):
+    """A sheet, and a wide one that shines by what its node says: all of its light or none."""
+    kind, place, true = CAME[name]
+    seen = set()
+    for word in "CAMERA FILM SHADOW DIFFUSE GLOSSY SINGULAR REFLECTION TRANSMISSION".split():
+        shines = of(EMISSION | {"weight": registers(3, 1) * 3}, nodes=[{"type": "PATH", "what": word, "out": registers(3, 1)}])
+        picture, _ = render(scene(materials=[of(kind), shines], meshes=[square(), square(200.0, place, 1)], lights=[], max_bounces=1,
+                                  width=4, height=4, samples=4, transparent=False))
+        assert (picture[..., :3] == 0).all() or picture[..., :3].mean() > 0.3, word
+        seen |= {word} if picture[..., 0].any() else set()
+    assert seen == set(true.split())
+
+
 def test_a_list_that_is_too_long_is_refused():
     with pytest.raises(ValueError, match=r"closures has 9 items; 1 to 8 are expected"):
         native.start(scene(materials=[of(*[TRANSPARENT] * 9)]))

@@ -252,6 +252,19 @@ def test_planes_tell_the_first_surface():
     assert (depth[outside] == 1e10).all() and (normal[outside] == 0).all()
 
 
+def test_a_normal_as_it_is_seen():
+    """To the right, up and away from the eye, as Cycles' denoising data have it: of a plate that a turned camera sees."""
+    camera = ortho(0.3, eye=(1, -2, 2))
+    job = native.start(scene(width=4, height=4, samples=1, camera=camera, planes=[{"type": "SEEN_NORMAL"}]))
+    finish(job)
+    seen = np.full((4, 4, 3), np.nan, np.float32)
+    native.image(job, seen, "SEEN_NORMAL")
+    native.free(job)
+    right, up, back = np.reshape(camera["matrix"], (4, 4))[:3, :3].T
+    assert back[2] > 0.6 and abs(right[2]) + up[2] > 0.5
+    np.testing.assert_allclose(seen, np.broadcast_to((right[2], up[2], -back[2]), seen.shape), atol=1e-5)
+
+
 def test_pictures_so_far_are_means_of_the_same_samples():
     """Asked for while more threads than cores add to it: what a pixel has and how many samples are of one pass."""
     tiles, times = 32, few(100)

@@ -329,15 +329,24 @@ MIXES = [
     ("EXCLUSION", 1, 2, 2, 0), ("EXCLUSION", 0.5, 1, 0, 1), ("DIVIDE", 1, 3, 0, 3), ("DIVIDE", 0.5, 2, -4, 0.75)]
 
 
+# (what, color) and what comes out of it, of colours beyond 1 and hues that are none
+HUES = [("RGB_TO_HSL", (2, 0.5, 1), (17 / 18, -3, 1)), ("RGB_TO_HSV", (2, 0.5, 1), (17 / 18, 0.75, 2)), ("RGB_TO_HSV", (0, 0, 0), (0, 0, 0)),
+        ("RGB_TO_HSL", (0.5, 0.5, 0.5), (0, 0, 0.5)), ("HSV_TO_RGB", (1.25, 0.5, 1), (1, 0.5, 0.75)), ("HSV_TO_RGB", (-0.5, 0.5, 2), (2, 1, 2)),
+        ("HSV_TO_RGB", (1, 0.5, 1), (1, 0.5, 0.5))]
+
+
 def test_awkward_numbers_of_math_and_mix():
     """A quad of its own for each, which shines by the value and 200."""
-    nodes = [({"type": "MATH", "operation": word, "a": [float(a)], "b": [float(b)], "c": [float(c)]}, want, (word, a, b, c))
+    nodes = [({"type": "MATH", "operation": word, "a": [float(a)], "b": [float(b)], "c": [float(c)]}, 0, want, (word, a, b, c))
              for word, a, b, c, want in MATHS]
-    nodes += [({"type": "MIX", "mode": word, "factor": [float(t)], "a": [float(a)], "b": [float(b)]}, want, (word, t, a, b))
+    nodes += [({"type": "MIX", "mode": word, "factor": [float(t)], "a": [float(a)], "b": [float(b)]}, 0, want, (word, t, a, b))
               for word, t, a, b, want in MIXES]
-    more = {"type": "MATH", "operation": "ADD", "a": OUT[:1], "b": [200.0], "c": [0.0], "out": OUT[1:2]}
-    materials = [{"name": str(k), "closure": "EMISSION", "weight": OUT[1:2] * 3, "nodes": [{**node, "out": OUT[:1]}, more]}
-                 for k, (node, _want, _what) in enumerate(nodes)]
+    nodes += [({"type": "HUE", "what": word, "color": [float(c) for c in color]}, k, want, (word, color, k))
+              for word, color, three in HUES for k, want in enumerate(three)]
+    materials = [{"name": str(number), "closure": "EMISSION", "weight": OUT[3:4] * 3, "nodes": [
+        {**node, "out": OUT[:3 if node["type"] == "HUE" else 1]},
+        {"type": "MATH", "operation": "ADD", "a": OUT[k:k + 1], "b": [200.0], "c": [0.0], "out": OUT[3:4]}]}
+                 for number, (node, k, _want, _what) in enumerate(nodes)]
     count = len(nodes)
     corners = np.array([(-1 / count, -2, 0), (1 / count, -2, 0), (1 / count, 2, 0), (-1 / count, 2, 0)])
     plates = mesh(np.concatenate([corners + ((2 * k + 1) / count - 1, 0, 0) for k in range(count)]),
@@ -345,7 +354,7 @@ def test_awkward_numbers_of_math_and_mix():
                   materials=np.repeat(np.arange(count), 2))
     made = scene(meshes=[plates], materials=materials, lights=[], samples=1, width=count, height=1)
     said = render(made)[0][0, :, 0].astype(float) - 200
-    wrong = [(what, want, value) for (_node, want, what), value in zip(nodes, said) if not abs(value - want) < 6e-5 + 2e-5 * abs(want)]
+    wrong = [(what, want, value) for (_node, _k, want, what), value in zip(nodes, said) if not abs(value - want) < 6e-5 + 2e-5 * abs(want)]
     assert not wrong
 
 

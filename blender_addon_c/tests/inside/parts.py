@@ -47,6 +47,24 @@ def test_tile_of_images():
     assert scratches.tile_of_images({**said, "tile": 0.07}, 256) == 0.07
 
 
+def test_what_baking_scratches_says():
+    """A tile of 6.4 cm in 512 texels: .125 mm each, beside scratches of 50 or 150 micrometres."""
+    operators, said = module("scratches.operators"), []
+    before = operators.bake, operators.description
+    fake = SimpleNamespace(size="512", samples=3, tile=0.0, points=False, node_of=lambda _context: SimpleNamespace(id_data=SimpleNamespace(name="tree")),
+                           report=lambda kind, text: said.append((*kind, text)))
+    try:
+        for width, fewer in ((150e-6, False), (50e-6, True)):
+            operators.bake = lambda *_arguments, fewer=fewer: {"tile": 0.064, "fewer": fewer, "density": 1234.0}
+            operators.description = lambda *_arguments, width=width: {"width": 1e3 * width}
+            operators.LIBSHADE_OT_bake_scratches.execute(fake, bpy.context)
+    finally:
+        operators.bake, operators.description = before
+    told = ("INFO", "512 × 512 texels of 0.125 mm, which repeat every 6.4 cm, are packed into the file")
+    assert said == [told, told, ("WARNING", "A texel is 2.5 times as wide as a scratch: choose a smaller tile or more texels"),
+                    ("WARNING", "There are no more than 1,234 scratches per cm²")], said
+
+
 def test_what_makes_images_of_scratches_old():
     """Each number that the field has, its place, and how large it is in metres."""
     scene = common.empty_scene(8, 8)
@@ -167,6 +185,43 @@ def test_the_viewport_has_samples_of_its_own():
         viewport.export.read = read
     assert seen == [((8, 6), (0, 0, 8, 6), 7)]
     assert shown._exposure == 2.5 and shown._waiting and not shown._changed and not shown._error
+
+
+def test_what_a_viewport_looks_at():
+    """An orthographic view shows as much behind its origin as before it."""
+    viewport = module("viewport")
+    stands = Matrix.Translation((1, 2, 3)) @ Matrix.Rotation(0.5, 4, "X")
+    area = SimpleNamespace(width=64, height=48)
+    for perspective in (True, False):
+        data = SimpleNamespace(view_matrix=stands.inverted(), window_matrix=Matrix.Identity(4), is_perspective=perspective,
+                               view_perspective="PERSP" if perspective else "ORTHO")
+        space = SimpleNamespace(clip_start=0.5, clip_end=100.0, camera=None, use_render_border=False)
+        context = SimpleNamespace(region=area, region_data=data, space_data=space)
+        view = viewport._view_of(context, SimpleNamespace(scene=bpy.context.scene))
+        back = 0.0 if perspective else 100.0
+        assert np.allclose(view.to_world @ Vector((0, 0, 0)), stands @ Vector((0, 0, back)), atol=1e-4), view
+        assert view.clip == ((0.5, 100.0) if perspective else (0.5, 200.0)) and view.size == (64, 48) and view.region == (0, 0, 64, 48)
+
+
+def test_what_mapping_nodes_make_of_directions_in_a_world():
+    """A texture's is the inverse of a point's; of normals lengths are divided."""
+    reader = module("export.world")._Reader
+    material = bpy.data.materials.new("mapped")
+    if bpy.app.version < (5, 0):
+        material.use_nodes = True
+    node, made = material.node_tree.nodes.new("ShaderNodeMapping"), {}
+    for kind in ("VECTOR", "NORMAL", "POINT", "TEXTURE"):
+        node.vector_type = "POINT"
+        place, turn, scale = (1.0, -2.0, 0.5), (0.3, -0.5, 0.2), (2.0, 0.5, 1.5)
+        for name, values in (("Location", place), ("Rotation", turn), ("Scale", scale)):
+            node.inputs[name].default_value = values
+        node.vector_type = kind
+        made[kind] = reader._mapping(None, node, ())
+    turned = Matrix.Rotation(0.2, 4, "Z") @ Matrix.Rotation(-0.5, 4, "Y") @ Matrix.Rotation(0.3, 4, "X")
+    assert np.allclose(made["POINT"], Matrix.Translation(place) @ turned @ Matrix.Diagonal((*scale, 1)), atol=1e-5)
+    assert np.allclose(made["TEXTURE"] @ made["POINT"], Matrix.Identity(4), atol=1e-5)
+    assert np.allclose(made["VECTOR"], turned @ Matrix.Diagonal((*scale, 1)), atol=1e-5)
+    assert np.allclose(made["NORMAL"], turned @ Matrix.Diagonal((0.5, 2.0, 1 / 1.5, 1)), atol=1e-5)
 
 
 def test_what_the_viewport_says_of_a_picture():
