@@ -67,7 +67,7 @@ EXPECTED = {
     "not_a_number": ("finished", "Warning: .*'Plane': some of its vertices have no valid position"),
     "slot_out_of_range": ("finished", None),
     "extreme_exponents": ("finished", None),
-    "huge": ("error", "libshade: out of memory: 65536 × 65536 pixels and their passes take 256 GiB"),
+    "huge": ("error", "libshade: out of memory: 65536 × 65536 pixels and their passes take 12,544 GiB"),
     "one_pixel": ("finished", None),
     "text_and_curve": ("finished", None),
 }

@@ -430,8 +430,11 @@ def extreme_exponents(scene):
 
 
 def huge(scene):
+    """Terabytes, which no machine has, and no more than Blender itself lets a picture be."""
     plate(scene)
     scene.render.resolution_x = scene.render.resolution_y = 1 << 16
+    for _ in range(64):
+        bpy.context.view_layer.aovs.add()
 
 
 def one_pixel(scene):
