@@ -15,9 +15,10 @@ What is written: the visible meshes as they are after modifiers, with smooth
 normals and UVs; their Libshade Metal materials with normal map and grain, by what sockets
 and properties say, and Libshade Fabric by preset and length, in the cloth's own colours;
 sun and point lights; the camera; the world's plain colour. Anything else is an error that
-names it, for the picture would not be the same.
+names it, for the picture would not be the same. So are a metal's Strokes: no block of
+POV-Ray's has them, and with Strokes 0 the rest is written.
 
-Strokes. Round an axis they run the other way in POV-Ray's formula, whose world is mirrored:
+Tangents. Round an axis they run the other way in POV-Ray's formula, whose world is mirrored:
 the axis is written turned round. In Blender it stands in the middle of the mesh, in POV-Ray
 where `at` says.
 
@@ -237,6 +238,8 @@ def texture_text(material, folder, middle):
     if cloth:
         return fabric_text(material, cloth)
     node, what = metal_of(material), f"material '{material.name}'"
+    if node.strokes > 0:
+        raise ExportError(f"{what}, Strokes: no block of POV-Ray's has them; set Strokes to 0 to write the rest")
     if node.inputs["Color"].is_linked:
         raise ExportError(f"{what}: a textured Color cannot be written")
     colour = node.inputs["Color"].default_value[:3]

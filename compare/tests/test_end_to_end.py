@@ -108,6 +108,7 @@ CANNOT = [
     (f"bpy.data.materials['Fine, bumped'].node_tree.links.new({NODES}['Image Texture'].outputs['Alpha'], "
      f"{NODES}['Libshade Metal'].inputs['Roughness'])",
      "material 'Fine, bumped', Roughness: what is linked cannot be written"),
+    (f"{NODES}['Libshade Metal'].strokes = 0.5", "material 'Fine, bumped', Strokes: no block of POV-Ray's has them"),
     ("bpy.data.materials['Across'].node_tree.nodes.clear()",
      "material 'Across': it has no Libshade Metal node"),
 ]
