@@ -63,6 +63,12 @@ def scratches(tree):
     node(tree, "ShaderNodeOutputMaterial", 280, 0, [("Surface", shader, 0)])
 
 
+def drawn(window):
+    """At once, however busy the machine is."""
+    with bpy.context.temp_override(window=window):
+        bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=1)
+
+
 class Pictures:
     """One after another: each graph is drawn before it is taken."""
 
@@ -93,8 +99,10 @@ class Pictures:
     def focus(self):
         window, area, region = self.window()
         window.cursor_warp(window.width - 4, 4)  # nothing is under it
+        drawn(window)  # how high nodes are is known once they were
         with bpy.context.temp_override(window=window, area=area, region=region):
             bpy.ops.node.view_all()
+        drawn(window)
 
     def take(self, make):
         """The part of the editor that is not its background."""
@@ -105,11 +113,11 @@ class Pictures:
         image = bpy.data.images.load(path)
         width, height = image.size
         pixels = np.array(image.pixels[:], np.float32).reshape(height, width, -1)
-        drawn = (np.abs(pixels[..., :3] - pixels[60, 12, :3]) > 0.08).any(-1)
-        drawn[-34:] = False  # the header
-        drawn[:20] = False  # a scroll bar
-        drawn[:, -20:] = False
-        rows, columns = (np.flatnonzero(drawn.sum(axis) > 12) for axis in (1, 0))
+        nodes = (np.abs(pixels[..., :3] - pixels[60, 12, :3]) > 0.08).any(-1)
+        nodes[-34:] = False  # the header
+        nodes[:20] = False  # a scroll bar
+        nodes[:, -20:] = False
+        rows, columns = (np.flatnonzero(nodes.sum(axis) > 12) for axis in (1, 0))
         low, high = max(rows[0] - RIM, 0), rows[-1] + RIM
         left, right = max(columns[0] - RIM, 0), columns[-1] + RIM
         cut = pixels[low:high, left:right]
