@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shaders against Cycles of the same Blender: balls under an even sky and a sun."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from blender_runs import ENGINES, by_each, measured, rgba
 
 COST = 37
+EXPORT = Path(__file__).parent.parent / "export"
 
 
 def shader(kind, inputs=None, **more):
@@ -220,6 +224,15 @@ def test_smooth_cubes(blender, tmp_path):
     for half in np.s_[:, :32], np.s_[:, 32:]:
         assert theirs[half].mean() > 0.05
         assert np.abs(ours[half] - theirs[half]).mean() / theirs[half].mean() < 0.01
+
+
+def test_every_shader_has_a_case():
+    """Our own nodes are elsewhere, and so is what sends rays on or leaves a hole."""
+    closures, known = ((EXPORT / name).read_text(encoding="utf-8") for name in ("closure.py", "known.py"))
+    covered = {item["node"] for version in ("3.4", "5.0") for case in cases_of(version) for item in case.get("shaders", ())}
+    for name in re.findall(r'^    "ShaderNode(\w+)": ', closures, re.M):
+        assert "ShaderNode" + name in covered or name in ("BsdfRayPortal", "Holdout"), f"{name}: give it a case"
+        assert re.search(rf"^{name}: ", known, re.M), f"{name}: give it a row in known.py"
 
 
 @pytest.mark.parametrize("transport, detail, axis", [(True, "ROTATE", ""), (False, "GRAM_SCHMIDT", ""),

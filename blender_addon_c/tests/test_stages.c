@@ -1346,8 +1346,16 @@ static size_t cell_of(vec3 d) {
 static void closures_draw_by_their_density(void **state) {
   (void)state;
   enum { ROUNDS = 60 / FEWER, FINE = 12 };
+#define TRAITS_OF(TYPE, name, always) [CLOSURE_##TYPE] = (always),
+  const unsigned traits[CLOSURE_TYPES] = {CLOSURE_TABLE(TRAITS_OF)};
   const lane_run run = {.begin = 0, .end = 1000};
+  bool met[CLOSURE_TYPES] = {false};
   closure c;
+  for (int number = 0; closure_by(number, &c); number++)
+    met[c.type] = true;
+  for (int type = 0; type < CLOSURE_TYPES; type++)
+    if ((traits[type] & CLOSURE_SCATTERS) && !met[type])
+      fail_msg("closure %d of closure/table.h is not in closure_by", type);
   for (int number = 0; closure_by(number, &c); number++)
     for (int tilted = 0; tilted < 2; tilted++) {
       vec3 n = tilted ? (vec3){0.28f, -0.1f, 0} : (vec3){0, 0, 1}, wo = {0.6f, 0, 0.8f};
