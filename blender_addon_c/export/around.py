@@ -23,6 +23,9 @@ from .value import Value, number_in, three, value_of
 _ROWS = {True: (512, 1024), False: (1024, 2048)}
 _LAMP_ROWS = {True: (128, 256), False: (256, 512)}
 _MOST = 1e18  # of light
+# What may vary faster than such a picture's texels, and is then asked by each sample, and by how much of the mean.
+_PATTERNS = {"WHITE_NOISE", "NOISE", "VORONOI", "BRICK"}
+_FINE_ROWS, _FINE = 64, 0.05
 _FALLS = {"Quadratic": 0, "Linear": 1, "Constant": 2}  # by which power of the distance less than light does
 
 _BEHIND = ("NORMAL", "TRUE_NORMAL", "INCOMING", "REFLECTION")  # point back where one looks from [Cycles 3.4, 5.0]
@@ -353,6 +356,24 @@ class Shine:
         return {"width": data.shape[1], "height": data.shape[0], "channels": 3, "data": data.ravel(), "srgb": False,
                 "wrap": "REPEAT", "filter": "LINEAR"}
 
+    def shader(self, rows, images):
+        """Where neighbours within a texel of a picture of so many rows differ, its nodes as those of a material, which each sample
+        asks; else None. images: of the scene, which its own are added to."""
+        nodes, closures = self._reader.program.finish(self._closures)
+        own = self._reader.images.listed
+        if not any(node["type"] in _PATTERNS for node in nodes):
+            return None
+        coarse = {**_scene(_FINE_ROWS, nodes, closures, own), "filter_width": 3.0 * _FINE_ROWS / rows, "seed": 1}
+        one, other = self._kept_picture(coarse), self._rendered(_FINE_ROWS)
+        if not np.abs(one - other).mean() > _FINE * other.mean():
+            return None
+        moved = {}
+        for node in nodes:
+            if node["type"] == "IMAGE" and node["image"] not in moved:
+                moved[node["image"]] = images.made(own[node["image"]])
+        return {"name": "world", "nodes": [{**node, "image": moved[node["image"]]} if node["type"] == "IMAGE" else node for node in nodes],
+                "closures": closures}
+
     def pattern(self):
         """(the mean over all directions, what of it is along each as the native module takes it, or None: all of it)"""
         few, most = _LAMP_ROWS[self._kept is not None]
@@ -374,9 +395,12 @@ class Shine:
         scene = _scene(rows, *self._reader.program.finish(self._closures), self._reader.images.listed)
         if self._reader.program.faced is not None:
             scene |= _before_face(rows)
+        return self._kept_picture(scene)
+
+    def _kept_picture(self, scene):
         if not self._kept:
             return _render(scene)
-        key = str([scene[name] for name in ("width", "height", "materials")])
+        key = str([scene[name] for name in ("width", "height", "seed", "materials")])
         return self._kept.around(key, [image["data"] for image in scene["images"]], lambda: _render(scene))
 
 

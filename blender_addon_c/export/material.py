@@ -40,6 +40,7 @@ class Table:
         """aovs: of passes (aov.wanted_of)."""
         self.aovs = {one: [] for one in aovs}  # materials of each
         self.threshold = depsgraph.view_layer.pass_alpha_threshold
+        self.shaders = []  # of worlds
         self.materials, self.images, self.layers = [], Images(messages, depsgraph.scene.frame_current, kept), Layers()
         self.kept, self.shines = kept, {}  # by lamp
         self.cloths, self.scratches = [], []
@@ -64,6 +65,11 @@ class Table:
         self._layers = []  # by index: (number, kind, name)
         self._textured = []  # by index: does it look anything up there?
         self._measured = []  # and does it ask how large that is?
+
+    def add_shader(self, shader):
+        """Number of a world's, from 1 on: they come after all materials, which have all been read."""
+        self.shaders.append(shader)
+        return len(self.materials) + len(self.shaders)
 
     def index(self, material, drawn=True, held=False, of_points=False, of_strands=False):
         """Index of a material; None is an empty slot. Not drawn: no light, whatever it shines with. Held: a hole in

@@ -84,7 +84,7 @@ def read(depsgraph, camera, size, region, samples, messages, mattes=None, motion
         "scratches": table.scratches,
         "layers": table.layers.listed,
         "attributes": len(table.attributes.listed),
-        "materials": [{**m, **mattes.of_material(m["name"])} for m in table.materials],
+        "materials": [{**m, **mattes.of_material(m["name"])} for m in table.materials] + table.shaders,
         "aovs": table.aovs,
         "aov_reach": table.reach,
         "group": getattr(own_world, "lightgroup", ""),

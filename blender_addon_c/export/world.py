@@ -162,10 +162,12 @@ class _Reader:
             self.warn(f"'{tree.shader_of(nodes).node.name}' does not shine; black")
         if not shine.turns:
             return {"background": shine.color}
-        return self._made(shine.picture())
+        picture = shine.picture()
+        shader = shine.shader(picture["height"], self._images)
+        return self._made(picture, {"shader": self._table.add_shader(shader)} if shader else {})
 
-    def _made(self, picture):
-        sky = {"image": self._images.made(picture), "strength": (1.0,) * 3, "matrix": _rows(Matrix.Identity(4)),
+    def _made(self, picture, more=()):
+        sky = {**dict(more), "image": self._images.made(picture), "strength": (1.0,) * 3, "matrix": _rows(Matrix.Identity(4)),
                "projection": "EQUIRECTANGULAR"}
         return {"background": (0.0, 0.0, 0.0), "sky": sky}
 

@@ -106,6 +106,15 @@ def test_worlds_of_nodes(blender, tmp_path):
         assert off.mean() < 0.006 and off[-17] < (0.05 if "ball" in name else 0.02)
 
 
+def test_noise_of_a_world_is_new_for_each_sample(blender, tmp_path):
+    """Numbers even from 0 to 1: their mean's deviation is known."""
+    blender.scene("noisy_world", tmp_path, dump="", engine="LIBSHADE", samples=[16, 256])
+    for samples in (16, 256):
+        seen = rgba(tmp_path / f"picture.exr.{samples}.exr")[..., :3].astype(float)
+        assert abs(seen.mean() - 0.5) < 0.01
+        assert abs(seen.std() / (12 * samples) ** -0.5 - 1) < 0.1
+
+
 @pytest.mark.parametrize("kind", ["POINT", "SUN"])
 def test_lamps_of_nodes(blender, tmp_path, kind):
     """Of a colour that nodes make."""

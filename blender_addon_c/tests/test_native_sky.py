@@ -5,7 +5,7 @@ observer by [WymanSloanShirley2013]; skies with air are compared with Cycles (te
 import numpy as np
 import pytest
 
-from native_scenes import image, ortho, persp, render, scene, sky, unit
+from native_scenes import chance, image, ortho, persp, registers, render, scene, sky, unit
 from test_native_light_paths import SURFACES, of_plate, picture, reflected
 
 COST = 3.2
@@ -83,3 +83,25 @@ def test_what_a_picture_around_shows_where(projection):
         seen, _ = render(scene(images=[picture], sky=sky(projection=projection), meshes=[], lights=[], transparent=False, width=1,
                                height=1, samples=1, camera=ortho(1e-4, eye=tuple(-3 * way))))
         np.testing.assert_allclose(seen[0, 0, :3], texels[int(6 * v), int(10 * u)], rtol=1e-5)
+
+
+def noisy():
+    """A sky whose nodes make another colour from 0 to 1 of each direction; its image knows the mean."""
+    noise = [{"type": "GEOMETRY", "what": "INCOMING", "out": registers(3, 3)},
+             {"type": "WHITE_NOISE", "dimensions": 3, "at": [*registers(3, 3), 0.0], "out": registers(6, 4)}]
+    shader = {"name": "world", "nodes": noise, "closures": [{"closure": "EMISSION", "weight": registers(6, 3)}]}
+    return {"images": [image(np.full((4, 8, 3), 0.5, np.float32))], "sky": {**sky(strength=(2, 2, 2)), "shader": 2},
+            "materials": [SURFACES["matt"], shader]}
+
+
+@pytest.mark.parametrize("samples", [16, 256])
+def test_noise_of_a_sky_is_new_for_each_sample(samples):
+    """As the camera sees it: twice numbers even from 0 to 1."""
+    seen = picture(**noisy(), lights=[], meshes=[], transparent=False, camera=persp(0.5, (0, 0, 0), TO), samples=samples)
+    assert abs(seen.mean() - 1) < 0.02
+    assert abs(seen.std() / (2 * (12 * samples) ** -0.5) - 1) < 0.06
+
+
+def test_noise_of_a_sky_lights():
+    """By light samples and drawn rays together: what its mean gives."""
+    np.testing.assert_allclose(of_plate(None, [], **noisy()), 0.5, rtol=chance(0.01))

@@ -5,6 +5,7 @@
 #include "light/light.h"
 #include "light/pattern.h"
 #include "render/closures.h"
+#include "render/environment.h"
 #include "render/hits.h"
 #include "render/light_passes.h"
 #include "render/motion.h"
@@ -30,7 +31,7 @@ enum {
 
 bool worker_init(worker *w) {
   w->end = malloc((w->scene->choices + 1) * sizeof *w->end);
-  if (!w->end || !batch_init(w) || !light_passes_init(w))
+  if (!w->end || !batch_init(w) || !light_passes_init(w) || !environment_init(w))
     return false;
   if (w->scene->cloths && !w->observer) {
     if (!cloth_room_init(&w->cloth))
@@ -48,6 +49,7 @@ void worker_free(worker *w) {
   free(w->end);
   cloth_room_free(&w->cloth);
   through_free(w->through);
+  environment_free(w);
   free(w->light);
 }
 
@@ -367,7 +369,7 @@ static void illuminate_by_sky(worker *w, size_t begin, size_t end) {
   batch *b = w->batch;
   s->stages->sky_draw(end - begin, &s->sky, b->choice.lane + begin, &b->light, &b->toward,
                       b->sky_pdf);
-  s->stages->sky(end - begin, &s->sky, &b->toward, &b->sky);
+  environment_eval(w, &s->sky, end - begin, &b->toward, &b->sky);
   s->stages->lit_by_sky(begin, end, &b->choice, &b->toward, b->sky_pdf, &b->sky, &b->drawn);
 }
 
@@ -571,7 +573,7 @@ static void add_hit_sky(worker *w, size_t rays) {
   const scene *s = w->scene;
   batch *b = w->batch;
   size_t missed = find_missed(w, rays);
-  s->stages->sky(missed, &s->sky, &b->toward, &b->sky);
+  environment_eval(w, &s->sky, missed, &b->toward, &b->sky);
   s->stages->sky_pdf(missed, &s->sky, &b->toward, b->sky_pdf);
   s->stages->hit_sky(missed, b->missed, b->sky_pdf, &b->sky, b->state, s->choices > 1, s->sky.power,
                      s->sky_hidden, &b->emitted);
@@ -592,7 +594,7 @@ static void add_hit_looks(worker *w, size_t rays) {
     const sky *image = look ? (look->sky.there ? &look->sky : NULL) : drawn ? &s->sky : NULL;
     const float *even = look ? look->even : s->background;
     if (image)
-      s->stages->sky(missed, image, &b->toward, &b->sky);
+      environment_eval(w, image, missed, &b->toward, &b->sky);
     const uint32_t hidden = s->sky_hidden | (image == &s->sky ? 0 : (uint32_t)RAY_CAMERA);
     for (size_t k = 0; k < missed; k++) {
       size_t i = b->missed[k];
@@ -616,7 +618,7 @@ static void add_seen_sky(worker *w, size_t rays) {
   batch *b = w->batch;
   size_t missed =
       s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
-  s->stages->sky(missed, &s->behind, &b->toward, &b->sky);
+  environment_eval(w, &s->behind, missed, &b->toward, &b->sky);
   for (size_t k = 0; k < missed; k++) {
     size_t ray = b->missed[k];
     if (!(b->state->ray[ray] & RAY_CAMERA))
@@ -760,7 +762,7 @@ static void show_sky(worker *w, size_t count) {
   batch *b = w->batch;
   size_t missed =
       s->stages->missed(count, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
-  s->stages->sky(missed, scene_seen_sky(s), &b->toward, &b->sky);
+  environment_eval(w, scene_seen_sky(s), missed, &b->toward, &b->sky);
   if (s->clamp_direct > 0.0f)
     s->stages->gain(missed, (const float[2]){s->clamp_direct, INFINITY}, 0, b->missed, b->state,
                     &b->sky, &b->sample_color);

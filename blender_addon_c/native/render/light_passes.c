@@ -7,6 +7,7 @@
 #include "batch/leaf.h"
 #include "closure/closure.h"
 #include "render/closures.h"
+#include "render/environment.h"
 
 enum { LIGHT_KINDS = BOUNCE_TRANSPARENT };          /* the first of bounce_kind */
 enum { KIND_BY_SIDE = LIGHT_KINDS, KINDS_SEVERAL }; /* glossy or through; not the same for all */
@@ -416,7 +417,7 @@ void light_passes_environment(worker *w, const path_states *state, size_t rays) 
   size_t missed =
       s->stages->missed(rays, b->sample_hit.record, &b->sample_ray, b->missed, &b->toward);
   if (image)
-    s->stages->sky(missed, image, &b->toward, &b->sky);
+    environment_eval(w, image, missed, &b->toward, &b->sky);
   for (size_t k = 0; !image && k < missed; k++) {
     b->sky.r[k] = s->backdrop[0];
     b->sky.g[k] = s->backdrop[1];

@@ -760,6 +760,31 @@ bool scene_look(reader *r, scene *s) {
   return true;
 }
 
+/* The nodes of a sky's shader know directions and no surface. */
+static bool check_shader(reader *r, const scene *s, const sky *sky) {
+  static const bool known[] = {
+      [NODE_IMAGE] = true,   [NODE_GEOMETRY] = true,    [NODE_MATH] = true,  [NODE_MIX] = true,
+      [NODE_HUE] = true,     [NODE_RAMP] = true,        [NODE_CURVE] = true, [NODE_NOISE] = true,
+      [NODE_VORONOI] = true, [NODE_WHITE_NOISE] = true, [NODE_BRICK] = true, [NODE_BOX] = true};
+  if (!sky->shader)
+    return true;
+  if ((size_t)sky->shader > s->materials)
+    return reader_fail(r, "a sky's shader is %d; there are %zu materials", sky->shader,
+                       s->materials);
+  const material *m = &s->material[sky->shader - 1];
+  for (const node *n = m->node; n < m->node + m->nodes; n++)
+    if ((size_t)n->type >= sizeof known / sizeof *known || !known[n->type])
+      return reader_fail(r, "a sky's shader has a node that only surfaces know");
+  return true;
+}
+
+static bool check_shaders(reader *r, const scene *s) {
+  for (size_t i = 0; i < s->looks; i++)
+    if (!check_shader(r, s, &s->look[i].sky))
+      return false;
+  return check_shader(r, s, &s->sky) && check_shader(r, s, &s->behind);
+}
+
 scene *scene_read(reader *r) {
   scene *s = calloc(1, sizeof *s);
   if (!s) {
@@ -782,6 +807,7 @@ scene *scene_read(reader *r) {
        reader_integer(r, "attributes", 0, MAX_ATTRIBUTES, &s->attributes)) &&
       reader_each(r, "materials", sizeof(material), &s->materials, &s->material, read_material,
                   s) &&
+      check_shaders(r, s) &&
       reader_each(r, "meshes", sizeof(mesh), &s->meshes, &s->mesh, read_mesh, s) &&
       reader_each(r, "instances", sizeof(instance), &s->instances, &s->instance, read_instance,
                   s)) {

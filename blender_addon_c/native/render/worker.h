@@ -41,6 +41,7 @@ typedef struct worker {
   size_t aims;     /* balls that matt ones among them aim at */
   unsigned status; /* bits of libshade */
   clocks clocks;
+  struct environment *environment; /* or NULL where no sky is said by nodes */
   struct through *through; /* what shadow rays need where some surface is transparent, or NULL */
 } worker;
 

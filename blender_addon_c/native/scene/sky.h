@@ -33,6 +33,8 @@ typedef struct sky_sun {
 typedef struct sky {
   bool there; /* else all below is 0 */
   int image;
+  int shader; /* 1 + the material whose nodes say what comes from each direction, of which the image
+                 is one sample a texel; 0: the image says it */
   float strength[3];
   float matrix[12]; /* of a direction to that in the image, rows of 4 */
   uint32_t ball; /* the image is that of a mirror ball, else latitude by longitude; for either() */

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/sky.h"
 
+#include <limits.h>
+
 static bool read_image(reader *r, sky *s, int images) {
   static const char *const projections[] = {"EQUIRECTANGULAR", "MIRROR_BALL", NULL};
   int projection;
-  if (!reader_integer(r, "image", 0, images - 1, &s->image) ||
+  if ((reader_has(r, "shader") && !reader_integer(r, "shader", 1, INT_MAX, &s->shader)) ||
+      !reader_integer(r, "image", 0, images - 1, &s->image) ||
       !reader_word(r, "projection", projections, &projection))
     return false;
   s->ball = projection == 1 ? UINT32_MAX : 0;

@@ -21,7 +21,7 @@ from aovs import aovs, groups, occlusion
 from brought import brought
 from eyes import eyes
 from files import held_image, many_files
-from skies import seen_sky, seen_world, under_lamp, under_sky
+from skies import noisy_world, seen_sky, seen_world, under_lamp, under_sky
 
 
 def view(options):

@@ -155,6 +155,20 @@ def seen_world(options):
     return {}
 
 
+def noisy_world(options):
+    """Another colour for each direction, however close, by so many samples."""
+    scene = common.empty_scene(32, 24)
+    common.camera(scene, (0, 0, 0), (1.8, 0, -0.3), angle=1.2)
+    scene.world = bpy.data.worlds.new("noise")
+    tree = common.tree_of(scene.world)
+    place = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
+    tree.links.new(_node(tree, "TexWhiteNoise", {"Vector": place}).outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    for samples in options["samples"]:
+        _settings(scene, options["engine"], samples)
+        common.render(f"{options['picture']}.{samples}.exr")
+    return {}
+
+
 def seen_sky(options):
     """A lattice of directions, one a pixel: half the sphere's, the horizon at a third of the height."""
     scene = common.empty_scene(128, 96)
