@@ -22,6 +22,7 @@
 #   make bench-povray  what a block costs a render of POV-Ray's
 #   make compare-peers  the bumped plate in Cycles 3.4 and 5.0 and in Mitsuba 3, beside ours
 #   make compare-files  scenes of others, from packages, in our engine and in Cycles
+#   make compare-materials  materials of stock nodes, likewise
 #   make pictures  the pictures of README.md, from a run of `make compare`
 #   make fuzz      SECONDS=60 of fuzzing for each parser, with clang
 #   make lint      layout of C, mistakes in Python and scripts, spelling, licences (.pre-commit-config.yaml)

@@ -49,6 +49,11 @@ $(B)/plain.so: compare/plain.c
 compare-files: $(B)/libshade-blender.zip $(VENV_BPY)/done
 	@$(PY) compare/real_files.py $(FILES)
 
+# materials of stock nodes, made here after what public libraries hold; MATERIALS="--filter oak --blender 5.0"
+.PHONY: compare-materials
+compare-materials: $(B)/libshade-blender.zip $(VENV_BPY)/done
+	@$(PY) compare/materials.py $(MATERIALS)
+
 # a block's cost: each scene beside its twin without
 .PHONY: bench-povray
 bench-povray: povray setup-test

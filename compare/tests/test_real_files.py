@@ -8,6 +8,7 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 
+import materials
 import pictures
 import real_files
 import real_files_fetch
@@ -34,6 +35,15 @@ def test_list():
         assert r["path"].rpartition(".")[2].lower() in KINDS and not r["path"].startswith("/")
         assert "://" not in "".join(r.values())
     assert real_files.listed("no package is called so") == []
+
+
+def test_materials():
+    """Sixty-one, in both Blenders by turns; each is known by its own lines."""
+    rows = materials.listed(materials.arguments([]))
+    assert len({row["material"] for row in rows}) == len({row["version"] for row in rows}) == len(rows) == 61
+    assert [row["blender"] for row in rows[:4]] == ["3.4", "5.0"] * 2
+    assert {row["blender"] for row in materials.listed(materials.arguments(["--blender", "5.0"]))} == {"5.0"}
+    assert materials.arguments([]).limit == real_files.arguments([]).limit
 
 
 def test_verdict(capsys):
