@@ -6,9 +6,10 @@ import re
 import numpy as np
 import pytest
 
+from conftest import read_channels
 from scenes import dot, normalise
 
-COST = 14
+COST = 14.5
 
 EX, EY = 60.0, 9.0
 EYE = normalise(np.array([0.3, 0.8, -0.5]))  # from the plate
@@ -77,6 +78,16 @@ def test_furnace(render):
     assert found == CLOSE(albedo() * COLOUR, rel=0.01)
 
 
+def test_a_background_is_seen_through_and_mirrored(render):
+    """With an alpha channel a block mirrors the background that is transparent to the eye, and is whole."""
+    plate = scene("reflection { samples 4 }", "background { rgbBACKGROUND }").replace("<-4, -1, -4>, <4, 0, 4>", "<-.05, -.001, -.05>, <.05, 0, .05>")
+    opaque = render(plate.replace("BACKGROUND", " <.5, 1, .25>"), (32, 24), dump=False).image
+    seen, _ = read_channels(render(plate.replace("BACKGROUND", "t <.5, 1, .25, 1>"), (32, 24), ["+UA"], dump=False).image_path)
+    rgb, whole = np.stack([seen[name] for name in "RGB"], -1), seen["A"] == 1
+    assert 0.05 < whole.mean() < 0.9 and (rgb[~whole] == 0).all() and (seen["A"][~whole] == 0).all()
+    assert opaque[whole].min() > 0.05 and rgb[whole] == CLOSE(opaque[whole], rel=1e-3)
+
+
 @pytest.mark.parametrize("towards", [MIRROR, TURNED], ids=["mirrored", "turned"])
 def test_gathers_the_integral_over_an_emitter(render, towards):
     cone = np.sqrt(1 - (RADIUS / FAR) ** 2)
@@ -112,6 +123,16 @@ def test_same_bytes_for_any_threads_and_window(render):
     assert np.array_equal(one, four)
     assert np.array_equal(part[6:20, 10:30], one[6:20, 10:30])
     assert one.std() > 0.01
+
+
+@pytest.mark.parametrize("block, rays", [("ggx .2, .2 reflection { samples 5 }", 5), ("fabric { preset \"denim\" crossings 900 } reflection { samples 5 }", 5),
+                                         ("fabric { preset \"denim\" crossings 900 } reflection { }", 32), ("ggx .04, .04 reflection { }", 13)])
+def test_each_hit_sends_as_many_rays_as_asked(render, block, rays):
+    """Without a number a lobe sends by its width, 64 for one of alpha 1, and cloth 32."""
+    whole = scene("", "background { rgb 1 }")
+    start, end = whole.index("mdf {"), whole.index("}", whole.index("mdf {"))
+    result = render(f"{whole[:start]}mdf {{ {block} {whole[end:]}", (16, 12), ["+V"], dump=False)
+    assert 0.88 * rays < reflected(result) / (16 * 12) <= rays  # but those below the plate
 
 
 def test_rays_multiply_no_further_than_asked(render):
