@@ -113,7 +113,7 @@ HELP = {  # a person's: what is said of an option in --help, with its default
     "check": {"--tolerance": "(default 1e-4)", "--mean-tolerance": "(default 1e-5)", "--threads": "(default: one a CPU)"},
     "eval": {"--what": "(default D)", "--mdf": "(default ashikhmin_shirley)", "--detail": "(default rotate)",
              "--groove": "(default auto)", "--diffuse": "(default lambert)", "--horizon": "(default hard)",
-             "--precision": "(default double;"},
+             "--precision": "(default double;", "--defaults": "0 to 1, the version of the defaults (default 1); to 0: brdf ashikhmin_shirley"},
     "fabric": {"--precision": "(default double)", "--tier": "auto: by footprint"},
     "scratch": {"--size": "(default 1024)", "--pits": "(default 5000)", "--radius": "(default 0.0005,0.002)",
                 "--stretch": "(default 20,60)", "--depth": "0 to 0.99 (default 0.05,0.25)", "--direction": "(default 0)",
