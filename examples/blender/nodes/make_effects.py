@@ -17,6 +17,7 @@ import parts  # noqa: E402
 
 WIDE, HIGH, SAMPLES = 720, 210, 32  # of what is denoised; of cloth, whose yarns denoising would blur, twice as many
 STEEL, COPPER = (0.62, 0.60, 0.58), (0.95, 0.64, 0.54)
+BRUSH = 20.0  # mm, for a plate a tenth of a metre wide
 STEP = 0.12  # from one to the next, metres
 
 
@@ -65,6 +66,13 @@ def steel(value=None, socket=None, roughness=0.35, anisotropy=0.5, color=STEEL):
     made = parts.metal("steel", color, roughness, anisotropy)
     if socket:
         shader_of(made).inputs[socket].default_value = value
+    return made
+
+
+def brushed(strokes):
+    """The same as a brush left it."""
+    made = steel(anisotropy=0.8)
+    shader_of(made).strokes, shader_of(made).stroke_width = strokes, BRUSH
     return made
 
 
@@ -126,6 +134,7 @@ def twisted(degrees):
 EFFECTS = {
     "roughness": (dome, lambda value: steel(value, "Roughness"), (0.2, 0.45, 0.7)),
     "anisotropy": (dome, lambda value: steel(value, "Anisotropy"), (0.0, 0.5, 0.9)),
+    "strokes": (dome, brushed, (0.0, 0.5, 1.0)),
     "rotation": (dome, lambda value: steel(value, "Rotation", anisotropy=0.8), (0.0, 0.125, 0.25)),
     "bump-response": (dome, hammered, (None, "IGNORE", "FOLLOW")),
     "amount": (plate, lambda value: scratched(amount=value), (0.0, 0.1, 1.0)),
