@@ -15,6 +15,8 @@ Strands = namedtuple("Strands", "points radii ends roots told", defaults=(lambda
 Points = namedtuple("Points", "places radii told")
 
 _MANY = 1_000_000  # triangles from which on tubes have fewer sides, three at last and no more rings than points
+_SIDES = (24, _MANY // 10), (16, _MANY // 4), (8, _MANY), (6, _MANY), (4, _MANY)  # of fewer triangles than these
+_CLOSED = 16  # ends of tubes of so many sides
 _TRIANGLES = np.int32([[0, 1, 2], [0, 2, 3]])
 
 
@@ -104,40 +106,49 @@ def tubes(strands, matrix, owner, material, wanted=()):
     told = [(number, np.nan_to_num((as_factor(numbers) if kind == "FACTOR" else numbers)[keep]))
             for number, kind, numbers in told if numbers is not None]
     points, radii, counts = points[keep], radii[keep], counts[counts > 1]
-    sides = next((n for n in (8, 6, 4) if 4 * n * len(points) < _MANY), 3)
-    for least in (sides > 3, 8 * sides * len(points) < _MANY // 4):
-        if least:
-            told = [(number, _between(numbers, counts)) for number, numbers in told]
-            points, radii, counts = _finer(points, radii, counts)
+    sides = next((n for n, most in _SIDES if 4 * n * len(points) < most), 3)
+    parts = next((n for n in (8, 4) if 2 * n * sides * len(points) < _MANY // 4), 2 if sides > 3 else 1)
+    told = [(number, _between(numbers, counts, parts)) for number, numbers in told]
+    (points, along), radii, counts = _curves(points, counts, parts), _between(radii, counts, parts), parts * (counts - 1) + 1
     ends = np.cumsum(counts)
-    layers = [{"layer": number, "data": _told(points @ np.linalg.inv(to_world).T, radii / even_size(to_world), ends, long, name)}
+    of_object = np.linalg.inv(to_world).T
+    layers = [{"layer": number, "data": _told(points @ of_object, _unit(along @ of_object), radii / even_size(to_world), ends, long, name)}
               for number, kind, name in wanted if kind == "STRAND"]
     layers += [{"layer": number, "data": numbers} for number, numbers in told]
     number, last = np.arange(len(points)), np.repeat(ends - 1, counts)
-    along = _along(points, ends)
-    side, up = _across(along)
+    side, up = _across(along, ends - counts)
     angle = 2 * np.pi * np.arange(sides) / sides
     # a polygon whose width is that of the circle, in the mean over all sides
     wide = np.pi / (sides * np.sin(np.pi / sides)) * radii
     normals = np.cos(angle)[None, :, None] * side[:, None] + np.sin(angle)[None, :, None] * up[:, None]
-    rings = (points[:, None] + wide[:, None, None] * normals) @ np.linalg.inv(to_world).T
-    normals = normals @ to_world
-    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    rings = points[:, None] + wide[:, None, None] * normals
     before = np.flatnonzero(number != last)
     k = np.arange(sides)
     a = before[:, None] * sides + k
     b = before[:, None] * sides + (k + 1) % sides
     quads = np.stack([a, b, b + sides, a + sides], -1).reshape(-1, 4)
     corners = quads[:, _TRIANGLES].reshape(-1)
+    # which point each vertex is of; discs, shaded as the side is, close the ends where these are not many, as in Cycles
+    of = np.repeat(number, sides)
+    rings, normals = rings.reshape(-1, 3), normals.reshape(-1, 3)
+    for at, sign in ((ends - counts, -1), (ends - 1, 1)) if sides >= _CLOSED else ():
+        at = at[wide[at] > 0]
+        a, b = at[:, None] * sides + k, at[:, None] * sides + (k + 1) % sides
+        middle = len(rings) + np.arange(a.size).reshape(a.shape)
+        corners = np.concatenate([corners, np.stack([a, b, middle][::sign], -1).reshape(-1)])
+        of = np.concatenate([of, np.repeat(at, sides)])
+        rings, normals = np.concatenate([rings, points[of[len(rings):]]]), np.concatenate([normals, normals[a.ravel()]])
+    rings, normals = rings @ np.linalg.inv(to_world).T, normals @ to_world
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
     uvs = None
     if strands.roots is not None:
-        of = np.repeat(np.repeat(np.arange(len(counts)), counts), sides)
-        uvs = np.ascontiguousarray(strands.roots[long][of][corners], np.float32)
-    return {"name": owner, "positions": np.ascontiguousarray(rings.reshape(-1, 3), np.float32),
+        strand = np.repeat(np.arange(len(counts)), counts)[of]
+        uvs = np.ascontiguousarray(strands.roots[long][strand][corners], np.float32)
+    return {"name": owner, "positions": np.ascontiguousarray(rings, np.float32),
             "corner_position": corners.astype(np.int32),
-            "corner_normals": np.ascontiguousarray(normals.reshape(-1, 3)[corners], np.float32),
+            "corner_normals": np.ascontiguousarray(normals[corners], np.float32),
             "corner_uvs": uvs, "material": np.full(len(corners) // 3, material, np.int32),
-            "layers": [{**one, "data": np.ascontiguousarray(np.repeat(one["data"], sides, 0)[corners], np.float32).ravel()}
+            "layers": [{**one, "data": np.ascontiguousarray(np.asarray(one["data"])[of[corners]], np.float32).ravel()}
                        for one in layers]}
 
 
@@ -148,7 +159,7 @@ def _along(points, ends):
     return _unit(points[np.minimum(number + 1, last)] - points[np.maximum(number - 1, first)])
 
 
-def _told(points, radii, ends, numbers, name):
+def _told(points, along, radii, ends, numbers, name):
     """What nodes may ask of each point: which part of its strand's length lies before it, this length, a number by chance
     for each strand and 1; or how thick it is there, or which way it runs. numbers: of the strands."""
     told = np.zeros((len(points), 4))
@@ -156,7 +167,7 @@ def _told(points, radii, ends, numbers, name):
         told[:, 0] = 2 * radii
         return told
     if name == "tangent":
-        told[:, :3] = _along(points, ends)
+        told[:, :3] = along
         return told
     counts = np.diff(ends, prepend=0)
     first = np.repeat(ends - counts, counts)
@@ -201,31 +212,34 @@ def _good(strands):
     return points.clip(-1e17, 1e17), np.abs(radii).clip(0, 1e17), ends
 
 
-def _finer(points, radii, counts):
-    """A point more between two, on the curve of Catmull and Rom."""
-    ends = np.cumsum(counts)
-    number = np.arange(len(points))
+def _curves(points, counts, parts):
+    """(points, directions) of curves of Catmull and Rom through these, each piece in so many parts."""
+    ends, number = np.cumsum(counts), np.arange(len(points))
     first, last = np.repeat(ends - counts, counts), np.repeat(ends - 1, counts)
-    p0, p1 = points[np.maximum(number - 1, first)], points
-    p2, p3 = points[np.minimum(number + 1, last)], points[np.minimum(number + 2, last)]
-    middle = (9 * (p1 + p2) - p0 - p3) / 16
-    keep = _but_last(counts)
-    made = np.stack([points, middle], 1).reshape(-1, 3)
-    return made[keep], _between(radii, counts), 2 * counts - 1
+    four = np.stack([points[(number + k).clip(first, last)] for k in (-1, 0, 1, 2)])
+    u = np.arange(parts) / parts
+    one, u2, u3 = np.ones(parts), u * u, u * u * u
+    weights = 0.5 * np.stack([-u + 2 * u2 - u3, 2 * one - 5 * u2 + 3 * u3, u + 4 * u2 - 3 * u3, u3 - u2])
+    slopes = 0.5 * np.stack([-one + 4 * u - 3 * u2, -10 * u + 9 * u2, one + 8 * u - 9 * u2, 3 * u2 - 2 * u])
+    keep = _but_last(counts, parts)
+    made, along = (np.einsum("kp,knd->npd", by, four).reshape(-1, 3)[keep] for by in (weights, slopes))
+    still = np.linalg.norm(along, axis=1) == 0
+    return made, np.where(still[:, None], _along(made, np.cumsum(parts * (counts - 1) + 1)), _unit(along))
 
 
-def _between(numbers, counts):
-    """Those of points, and of each two of a strand the mean."""
+def _between(numbers, counts, parts):
+    """Those of points, and evenly between each two of a strand."""
     last = np.repeat(np.cumsum(counts) - 1, counts)
     after = numbers[np.minimum(np.arange(len(numbers)) + 1, last)]
-    return np.stack([numbers, 0.5 * (numbers + after)], 1).reshape(-1, *numbers.shape[1:])[_but_last(counts)]
+    made = np.stack([numbers + k / parts * (after - numbers) for k in range(parts)], 1)
+    return made.reshape(-1, *numbers.shape[1:])[_but_last(counts, parts)]
 
 
-def _but_last(counts):
-    """Of pairs, one for each point, all but what comes behind the last point of a strand."""
-    keep = np.ones(2 * counts.sum(), bool)
-    keep[2 * np.cumsum(counts) - 1] = False
-    return keep
+def _but_last(counts, parts):
+    """Of so many parts for each point, all but what comes behind the last point of a strand."""
+    keep = np.ones((counts.sum(), parts), bool)
+    keep[np.cumsum(counts) - 1, 1:] = False
+    return keep.ravel()
 
 
 def _unit(vectors):
@@ -233,11 +247,19 @@ def _unit(vectors):
     return np.where(length > 0, vectors / np.where(length > 0, length, 1), (0, 0, 1))
 
 
-def _across(axis):
-    """Two axes across unit vectors."""
+def _across(axis, first):
+    """Two axes across unit vectors, which turn about those as little as can be from each to the next of a strand. first: of
+    strands."""
     other = np.where(np.abs(axis[:, :1]) < 0.7, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     side = _unit(np.cross(axis, other))
-    return side, np.cross(axis, side)
+    up = np.cross(axis, side)
+    before = np.concatenate([side[:1], side[:-1]])
+    turn = np.arctan2((before * up).sum(1), (before * side).sum(1))
+    turn[first] = 0
+    turn = np.cumsum(turn)
+    turn -= np.repeat(turn[first], np.diff(first, append=len(axis)))
+    cosine, sine = np.cos(turn)[:, None], np.sin(turn)[:, None]
+    return cosine * side + sine * up, cosine * up - sine * side
 
 
 def ball(count, owner, material):

@@ -50,19 +50,22 @@ def test_shadow_catchers(blender, tmp_path, transparent, apart):
 
 @pytest.mark.parametrize("what", ["hair", "curves", "points"])
 def test_strands(blender, tmp_path, what):
+    """Curves are metal with strokes along them."""
     if what == "curves" and blender.version < "4":
         return  # Python cannot make any there
     pictures = []
     for engine, samples in ("LIBSHADE", 64), ("CYCLES", 128):
-        _, text = blender.scene("hairy", tmp_path, dump="", engine=engine, samples=samples, what=what)
+        _, text = blender.scene("hairy", tmp_path, dump="", engine=engine, samples=samples, what=what, strokes=what == "curves")
         pictures.append(averaged(tmp_path / "picture.exr"))
         if engine == "LIBSHADE":
             assert "Warning: libshade" not in text
     ours, theirs = pictures
     apart = np.abs(ours - theirs).mean() / theirs.mean()
     orange = [(p[..., 0] - p[..., 2]).sum() for p in pictures]  # what they alone are
-    print(f"{what}: relative error {apart:.4f}, orange {orange[0]:.3f} {orange[1]:.3f}")
-    assert orange[1] > 1 and abs(orange[0] / orange[1] - 1) < 0.08 and apart < 0.02
+    ours_alone, theirs_alone = (p[..., 0] - p[..., 2] for p in pictures)
+    alone = np.abs(ours_alone - theirs_alone).sum() / theirs_alone.sum()
+    print(f"{what}: relative error {apart:.4f}, orange {orange[0]:.3f} {orange[1]:.3f}, {alone:.4f} apart")
+    assert orange[1] > 1 and abs(orange[0] / orange[1] - 1) < 0.08 and apart < 0.02 and alone < 0.11
 
 
 def test_strands_of_no_numbers(blender_new, tmp_path):

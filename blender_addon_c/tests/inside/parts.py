@@ -23,11 +23,24 @@ def module(name):
 
 def test_strands_between_points():
     """Catmull and Rom's curve through points of a parabola is that parabola, but at the ends, which count twice."""
-    t = np.arange(6.0)
-    points, radii, counts = module("export.strands")._finer(
-        np.stack([t, t * t, 0 * t], 1), 1 + t, np.array([6]))
-    assert counts.tolist() == [11] and np.allclose(radii, 1 + np.arange(11) / 2)
-    assert np.allclose(points[2:-2, 1], points[2:-2, 0] ** 2) and np.allclose(points[::2], np.stack([t, t * t, 0 * t], 1))
+    t, strands = np.arange(6.0), module("export.strands")
+    given, two = np.stack([t, t * t, 0 * t], 1), np.array([4, 6])  # strands; the first stands still
+    points, along = (part[13:] for part in strands._curves(np.concatenate([np.zeros((4, 3)), given]), two, 4))
+    assert len(points) == 21 and np.allclose(strands._between(np.append([9.0] * 4, 1 + t), two, 4)[13:], 1 + np.arange(21) / 4)
+    assert np.allclose(points[4:-4, 1], points[4:-4, 0] ** 2) and np.allclose(points[::4], given)
+    x = points[4:-4, 0]
+    assert np.allclose(along[4:-4] * np.hypot(1, 2 * x)[:, None], np.stack([0 * x + 1, 2 * x, 0 * x], 1))
+
+
+def test_strands_do_not_twist():
+    """What lies across a curve in a plane stays in that plane, or upright on it; each strand for itself."""
+    angle = np.linspace(0, np.pi, 40)
+    axis = np.stack([np.cos(angle), np.sin(angle), 0 * angle], 1)
+    side, up = module("export.strands")._across(np.concatenate([axis, axis[:, ::-1]]), np.array([0, 40]))
+    for part in side, up:
+        assert (np.sum(part[:39] * part[1:40], 1) > 0.99).all() and (np.sum(part[40:-1] * part[41:], 1) > 0.99).all()
+    assert np.allclose(np.cross(side[:40], up[:40]), axis) and np.abs(np.sum(side[:40] * axis, 1)).max() < 1e-12
+    assert np.ptp(side[:40, 2]) < 1e-9
 
 
 def test_layers_of_cryptomatte():

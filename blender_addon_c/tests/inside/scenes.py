@@ -1538,6 +1538,13 @@ def hairy(options):
         shader.inputs["Strength"].default_value = 20.0 if options["told"] == "Thickness" else 2.0
         tree.links.new(info.outputs[options["told"]], shader.inputs["Color"])
         tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    if options.get("strokes"):
+        tree = common.tree_of(bpy.data.materials["hair"])
+        shader = tree.nodes.new("ShaderNodeBsdfAnisotropic")
+        shader.distribution = "GGX"
+        shader.inputs["Color"].default_value = (0.8, 0.4, 0.1, 1)
+        shader.inputs["Roughness"].default_value, shader.inputs["Anisotropy"].default_value = 0.5, 0.8
+        tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
     if options["what"] == "curves" and options.get("broken"):
         data = scene.objects["curves"].data
         data.points.foreach_set("position", np.tile(np.float32([np.nan, 1e30, 0, 0, 0, 1]), 90))
