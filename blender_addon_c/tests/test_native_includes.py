@@ -19,16 +19,18 @@ ORDER = [["system"], ["batch"], ["scene"], ["node", "light"], ["closure"], ["sta
 
 # What each may include beside itself. Tests and benches may include all; the public headers nothing.
 PUBLIC = {"libshade/include"}
-MODEL = PUBLIC | {"libshade/model"}
+NUMBERS = PUBLIC | {"libshade/data"}
+MODEL = NUMBERS | {"libshade/model"}
 BATCH = MODEL | {"libshade/batch"}
 SOURCE = BATCH | {"libshade/src"}
 DOORS = PUBLIC | {"libshade/dump"}
 MAY = {
     "libshade/include": set(),
-    "libshade/model": PUBLIC,
+    "libshade/data": set(),
+    "libshade/model": NUMBERS,
     "libshade/batch": MODEL,
     "libshade/src": BATCH,
-    "libshade/reference": PUBLIC,
+    "libshade/reference": NUMBERS,
     "libshade/dump": SOURCE,
     "libshade/image": DOORS,
     "libshade/tool": SOURCE | DOORS | {"libshade/image", "libshade/reference"},

@@ -7,6 +7,7 @@
 #include "brdf_block.h"
 #include "diffuse_block.h"
 #include "ggx_block.h"
+#include "multiscatter_block.h"
 #include "varied_block.h"
 
 /* Where a block's results go; by its address, as a block. */
@@ -61,6 +62,8 @@ static unsigned hard_block(const bsdf *b, const sample_block *s, const results *
     memset(d, 0, size * sizeof *d);
   for (int c = 0; c < 3; c++)
     pass_channel(b, size, s->f0[c], s->tint[c], s->k[c], d, hwo, out->rgb[c]);
+  if (b->multiscatter && b->has_specular)
+    multiscatter_block(b, s, room.t, room.xx, room.yy, room.hx, out->rgb);
   if (b->has_diffuse) {
     const real less = shade_diffuse_is(b->diffuse).less_f0 ? R(1.0) : R(0.0);
     diffuse_block(b, size, s->n, s->wi, s->wo, cosi, coso, room.xx, room.yy, q);

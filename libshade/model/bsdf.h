@@ -52,6 +52,7 @@ typedef struct MAY_ALIAS bsdf {
   int black; /* its own f0 is, and stays so at grazing: the lobe gives nothing */
   int fibres_along_y, groove_auto, detail_auto;
   int exponents, projected; /* of the distribution's traits */
+  int multiscatter;         /* f is multiplied by what multiscatter.h says */
   int visible, draw_even;   /* draws: normals as the eye sees them; half the diffuse part evenly */
   int varied, turned;       /* by shade_bsdf_vary; and directions are in another frame than it */
   bsdf_numbers numbers;

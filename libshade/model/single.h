@@ -11,6 +11,7 @@
 #include "direction.h"
 #include "draw.h"
 #include "ggx.h"
+#include "multiscatter.h"
 
 /* Directions of a material that shade_bsdf_vary turned, in its frame, and back. */
 LEAF triple framed(const bsdf *b, triple v) {
@@ -42,6 +43,7 @@ typedef struct MAY_ALIAS bsdf_hit {
   triple n, wo;
   real coso;
   real lo;          /* of angles */
+  triple gain;      /* of multiscatter.h */
   real fibre_l, vy; /* L and wo across the fibre, where the diffuse model has fibres */
   triple given;     /* the normal that fades light by shadow_chiang */
   estevez steep;    /* of shadow_estevez */
@@ -81,6 +83,8 @@ LEAF void prepare_hard(const bsdf *b, triple n, triple wo, bsdf_hit *h) {
   h->lo = 0;
   if (b->brdf == SHADE_BRDF_MICROFACET && !fused)
     h->lo = smith(b, n, wo);
+  if (b->multiscatter)
+    h->gain = multiscatter_of(b, n, wo);
   h->fibres = shade_diffuse_is(b->diffuse).fibres;
   if (h->fibres) {
     h->fibre_l = fibre_length_of(b, n);
@@ -136,6 +140,8 @@ LEAF shaded_sample hard_one(const bsdf *b, const bsdf_hit *h, triple wi) {
   if (!b->black) {
     real hwo = half_cosine(XYZ(sum));
     out.f = scaled(fresnel(b, hwo), specular_one(b, h, wi, sum, hwo, cosi));
+    if (b->multiscatter)
+      out.f = (triple){out.f.x * h->gain.x, out.f.y * h->gain.y, out.f.z * h->gain.z};
   }
   if (b->has_diffuse) {
     real phi = phi_one(b, h, wi, cosi);

@@ -22,7 +22,8 @@ static unsigned hard(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo, r
   real d = ref_distribution(p, lobe_n, h);
   real lobe = ref_brdf(p, n, wi, wo, cosi, coso, d);
   for (int i = 0; i < 3; i++)
-    f[i] = ref_fresnel(p, i, hwo) * lobe + ref_diffuse_part(p, i, n, wi, wo) / at_least(cosi);
+    f[i] = ref_fresnel(p, i, hwo) * lobe * ref_multiscatter(p, i, n, wo) +
+           ref_diffuse_part(p, i, n, wi, wo) / at_least(cosi);
   return status;
 }
 

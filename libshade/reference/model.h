@@ -39,6 +39,11 @@ real ref_brdf(const shade_params *p, vec n, vec wi, vec wo, real cosi, real coso
 /* Channel c of Fresnel's reflectance. */
 real ref_fresnel(const shade_params *p, int c, real cosine);
 
+/* ---- multiscatter.c ---- */
+
+/* What channel c of the lobe is multiplied by for light that facets reflect more than once. */
+real ref_multiscatter(const shade_params *p, int c, vec n, vec wo);
+
 /* ---- diffuse.c ---- */
 
 /* Channel c of the diffuse part times the cosine. */

@@ -47,7 +47,7 @@ enum { SHADE_TABLE_PARAMS(PARAM_INDEX) PARAM_COUNT };
 #pragma GCC diagnostic ignored "-Wmissing-braces"
 #pragma GCC diagnostic error "-Wmissing-field-initializers"
 static const shade_params nothing = {
-    0, 0, SHADE_TABLE_LISTS(ONE_ZERO) SHADE_TABLE_PARAMS(KIND_OF_ZEROS).defaults = 0};
+    0, 0, SHADE_TABLE_LISTS(ONE_ZERO) SHADE_TABLE_PARAMS(KIND_OF_ZEROS) /* defaults */ 0};
 #pragma GCC diagnostic pop
 #define MEMBER_FITS(word, kind, ...)                                                               \
   _Static_assert(sizeof nothing.word == COMPONENTS_##kind * sizeof(double),                        \

@@ -102,6 +102,8 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   const shade_fresnel_traits fresnel = shade_fresnel_is(b->fresnel);
   b->black = fresnel.f0 && !fresnel.tint && !fresnel.grazing &&
              !(b->numbers.f0[0] + b->numbers.f0[1] + b->numbers.f0[2] > 0);
+  b->multiscatter =
+      p.multiscatter == SHADE_MULTISCATTER_ON && mdf.visible && b->brdf == SHADE_BRDF_MICROFACET;
   setup_draws(b);
   narrow_numbers(b);
   return status;

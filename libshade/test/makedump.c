@@ -114,6 +114,7 @@ static void vary_materials(shade_params materials[MATERIALS]) {
     p->brdf = (shade_brdf)(i / 2 % SHADE_BRDF_COUNT);
     p->fresnel = (shade_fresnel)(i % SHADE_FRESNEL_COUNT);
     p->diffuse = (shade_diffuse)(i % SHADE_DIFFUSE_POULIN_FOURNIER);
+    p->multiscatter = (shade_multiscatter)(i > 7); /* 8 and 9 can have it */
     shade_params_set_exponents(p, 100, 15);
     for (int c = 0; c < 3; c++)
       p->kd[c] = 0.2;

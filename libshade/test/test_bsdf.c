@@ -40,6 +40,7 @@ static shade_params random_params(uint64_t *seed) {
   p.fresnel = (shade_fresnel)(uniform(seed) * SHADE_FRESNEL_COUNT);
   p.diffuse = (shade_diffuse)(uniform(seed) * SHADE_DIFFUSE_COUNT);
   p.horizon = SHADE_HORIZON_HARD; /* test_horizon.c has the others */
+  p.multiscatter = (shade_multiscatter)(*seed >> 20 & 1);
   int matt = uniform(seed) < 0.2;
   for (int c = 0; c < 3; c++) {
     p.kd[c] = matt ? uniform(seed) : 0;
@@ -198,7 +199,8 @@ static void reciprocity(void **state) {
   uint64_t seed = 13;
   for (int k = 0; k < 50000; k++) {
     shade_params p = random_params(&seed);
-    p.kd[0] = p.kd[1] = p.kd[2] = 0; /* fibres are not reciprocal */
+    p.kd[0] = p.kd[1] = p.kd[2] = 0;         /* fibres are not reciprocal */
+    p.multiscatter = SHADE_MULTISCATTER_OFF; /* nor is that */
     shade_bsdf b;
     shade_bsdf_setup(&b, &p);
     double n[3], wi[3], wo[3], f[3], back[3];

@@ -121,6 +121,7 @@ static void every_choice(void **state) {
           p.brdf = (shade_brdf)brdf;
           p.detail = (shade_detail)detail;
           p.horizon = (shade_horizon)horizon;
+          p.multiscatter = (shade_multiscatter)(other & 1);
           p.groove = (shade_groove)(other % SHADE_GROOVE_COUNT);
           p.fresnel = (shade_fresnel)(other % SHADE_FRESNEL_COUNT);
           p.diffuse = (shade_diffuse)(uniform(&seed) * SHADE_DIFFUSE_COUNT);

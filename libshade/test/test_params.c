@@ -169,7 +169,8 @@ static void by_row(void **state) {
       {SHADE_LIST_GROOVE, "groove", &p.groove, 0, 0},
       {SHADE_LIST_FRESNEL, "fresnel", &p.fresnel, SHADE_FRESNEL_SCHLICK, SHADE_FRESNEL_SCHLICK},
       {SHADE_LIST_DIFFUSE, "diffuse", &p.diffuse, 0, 0},
-      {SHADE_LIST_HORIZON, "horizon", &p.horizon, SHADE_HORIZON_VALID_ESTEVEZ, SHADE_HORIZON_HARD}};
+      {SHADE_LIST_HORIZON, "horizon", &p.horizon, SHADE_HORIZON_VALID_ESTEVEZ, SHADE_HORIZON_HARD},
+      {SHADE_LIST_MULTISCATTER, "multiscatter", &p.multiscatter, 0, 0}};
   assert_int_equal(SHADE_LIST_COUNT, sizeof lists / sizeof lists[0]);
   for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
     const shade_list list = lists[i].list;
@@ -180,7 +181,8 @@ static void by_row(void **state) {
     assert_string_equal(shade_list_name(list), lists[i].word);
     assert_int_equal(about.initial, lists[i].initial);
     assert_int_equal(about.older, lists[i].older);
-    assert_int_equal(about.in_every_dump, list != SHADE_LIST_HORIZON);
+    assert_int_equal(about.in_every_dump,
+                     list != SHADE_LIST_HORIZON && list != SHADE_LIST_MULTISCATTER);
     assert_ptr_equal((char *)&p + about.offset, lists[i].member);
     shade_params_init(&p);
     assert_int_equal(shade_params_get_choice(&p, list), lists[i].initial);
@@ -314,7 +316,7 @@ static void json(void **state) {
       text, "{\"id\": 3, \"name\": \"a \\\"b\\\"\\\\\\u000a\", \"mdf\": \"ashikhmin_shirley\", "
             "\"brdf\": \"auto\", \"detail\": \"rotate\", \"groove\": \"auto\", "
             "\"fresnel\": \"schlick\", \"diffuse\": \"lambert\", \"horizon\": "
-            "\"valid_estevez\", \"ex\": 198, \"ey\": 6, \"ax\": "
+            "\"valid_estevez\", \"multiscatter\": \"off\", \"ex\": 198, \"ey\": 6, \"ax\": "
             "0.10000000000000001, "
             "\"ay\": 0.5, \"f0\": [1, 1, 1], \"f82\": [1, 1, 1], \"eta\": [0.5, 0.5, 0.5], "
             "\"k\": [3, 3, 3], \"kd\": [0, 0, 0]}");

@@ -188,6 +188,7 @@ static shade_params some_params(uint64_t *seed, int mdf, int k) {
   p.fresnel = (shade_fresnel)(uniform(seed) * SHADE_FRESNEL_COUNT);
   p.diffuse = (shade_diffuse)(uniform(seed) * SHADE_DIFFUSE_COUNT);
   p.horizon = (shade_horizon)(uniform(seed) * SHADE_HORIZON_COUNT);
+  p.multiscatter = (shade_multiscatter)(*seed >> 20 & 1);
   /* fibres of gram_schmidt keep the material's own axis */
   if (p.detail == SHADE_DETAIL_GRAM_SCHMIDT && p.groove == SHADE_GROOVE_AUTO)
     p.groove = SHADE_GROOVE_X;

@@ -137,6 +137,7 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g) {
   c->apart = c->apart && !g->dump && c->facets &&
              (c->params.mdf == SHADE_MDF_GGX || c->params.mdf == SHADE_MDF_BECKMANN);
   if (c->spreads && c->params.mdf == SHADE_MDF_BECKMANN && c->facets &&
+      c->params.multiscatter == SHADE_MULTISCATTER_OFF &&
       !albedo_table_make(ALBEDO_BECKMANN, &c->albedo))
     return reader_out_of_memory(r);
   g->status |= shade_bsdf_setup(&c->bsdf, &c->params);

@@ -58,6 +58,9 @@ extern "C" {
 #define SHADE_HORIZON_ROW_(NAME, word, value, label, help)                                         \
   SHADE_ENUM_ROW_(SHADE_HORIZON_, NAME, value)
 
+#define SHADE_MULTISCATTER_ROW_(NAME, word, value, label, help)                                    \
+  SHADE_ENUM_ROW_(SHADE_MULTISCATTER_, NAME, value)
+
 /** Microfacet distributions D(h). */
 typedef enum shade_mdf { SHADE_TABLE_MDF(SHADE_MDF_ROW_) SHADE_MDF_COUNT } shade_mdf;
 
@@ -84,6 +87,11 @@ typedef enum shade_diffuse {
 typedef enum shade_horizon {
   SHADE_TABLE_HORIZON(SHADE_HORIZON_ROW_) SHADE_HORIZON_COUNT
 } shade_horizon;
+
+/** Light that facets reflect more than once; see shade_bsdf_eval. */
+typedef enum shade_multiscatter {
+  SHADE_TABLE_MULTISCATTER(SHADE_MULTISCATTER_ROW_) SHADE_MULTISCATTER_COUNT
+} shade_multiscatter;
 
 /** How another program states roughness and anisotropy; see shade_params_set_roughness. */
 typedef enum shade_roughness {
@@ -143,6 +151,7 @@ typedef struct shade_params {
   double eta[3], k[3]; /* for SHADE_FRESNEL_CONDUCTOR: complex index, [1e-3, 100] and [0, 100] */
   shade_horizon horizon;
   size_t defaults; /* version of the defaults that were filled in; 0 where `size` ends before it */
+  shade_multiscatter multiscatter; /* off where `size` ends before it */
 } shade_params;
 
 /**
@@ -355,6 +364,14 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  * Schlick's with the reflectance at 82 degrees (cos = 1/7) scaled by f82, or the exact unpolarised
  * value of eta + i k against air, which ignores f0. [Schlick1994; Kutz2021; BornWolf1999]
  *
+ * With SHADE_MULTISCATTER_ON what facets reflect more than once is kept, where the BRDF is
+ * microfacet and the distribution GGX or Beckmann. Elsewhere it changes nothing. The lobe is
+ * multiplied, before the horizon's factor, by (1 + x)/(1 - x), where x = F (1 - E)/(1 + E). E is
+ * what the lobe reflects of even light towards wo where Fresnel is 1, and F the mean of Fresnel. A
+ * white lobe reflects all then, to .01 for alphas to 1. An alpha above 1 counts as 1 in E, so that
+ * some light is lost. f is not reciprocal then. Draws and their density stay. [Turquin2019;
+ * Heitz2016]
+ *
  * Every BRDF takes every distribution, as it is. Microfacet keeps albedos within 1 with Beckmann
  * or GGX. Smith's Lambda is that of GGX for GGX, and that of Gaussian slopes for the others. It
  * sees wi and wo in the carried frame. For perturb and the warps theta comes from n.w, and phi from
@@ -395,7 +412,8 @@ typedef struct shade_bsdf_hitf {
 /**
  * Prepare a hit for many lights.
  *
- * It makes directions unit, bends n for its horizon, and finds Smith's Lambda of wo, once.
+ * It makes directions unit, bends n for its horizon, and finds Smith's Lambda of wo and what
+ * `multiscatter` multiplies by, once.
  *
  * @param b    the material
  * @param n    perturbed normal, unit, local frame

@@ -31,7 +31,9 @@
   ROW(FRESNEL, fresnel, SCHLICK, SCHLICK, EVERY, "Reflectance against angle")                      \
   ROW(DIFFUSE, diffuse, LAMBERT, LAMBERT, EVERY, "The model of the diffuse part")                  \
   ROW(HORIZON, horizon, VALID_ESTEVEZ, HARD, LATER,                                                \
-      "What is shaded where a bumped normal turns away from eye or light")
+      "What is shaded where a bumped normal turns away from eye or light")                         \
+  ROW(MULTISCATTER, multiscatter, OFF, OFF, LATER,                                                 \
+      "Whether light that facets reflect more than once is kept")
 
 /*
  * Defaults that changed: ROW(version, LIST, before). The list's default was `before` in all
@@ -125,6 +127,11 @@
       "Two facets, the bumped one and an upright mirror: no black pixels, softer bumps")           \
   ROW(VALID_ESTEVEZ, valid_estevez, 5, "Valid reflection, Estevez",                                \
       "Both: bend the normal for the eye, fade the light: nearest to displaced bumps")
+
+/* Light that facets reflect more than once. */
+#define SHADE_TABLE_MULTISCATTER(ROW)                                                              \
+  ROW(OFF, off, 0, "Off", "Facets reflect once: rough lobes lose light")                           \
+  ROW(ON, on, 1, "On", "GGX and Beckmann as microfacet reflect all that Fresnel leaves")
 
 /* Parameters of a material. */
 #define SHADE_EXPONENTS_ (1u << SHADE_MDF_ASHIKHMIN_SHIRLEY)

@@ -125,7 +125,9 @@ LIB = load(PATH)
 _room = (ctypes.c_double * 1024)()
 LIB.shade_params_init(_room)
 PARAMS_SIZE = structs.ParamsHead.from_buffer(_room).size
-DEFAULTS = ctypes.c_size_t.from_buffer(_room, PARAMS_SIZE - ctypes.sizeof(ctypes.c_size_t)).value  # its last member
+_cloth = structs.FabricParams()
+LIB.shade_fabric_params_init(ctypes.byref(_cloth))
+DEFAULTS = _cloth.defaults  # the newest, of materials as of cloths
 Preset = structs.preset(PARAMS_SIZE)
 
 
