@@ -148,7 +148,7 @@ static int lit(const field *f, vec p, vec n, vec wi) {
 
 /* ---- materials ----------------------------------------------------------------------- */
 
-enum { MATERIALS = 3 };
+enum { MATERIALS = 3, CHOICES = SHADE_HORIZON_MUTUAL }; /* those of the normal alone */
 static const char *const material_words[MATERIALS] = {"ashikhmin_shirley", "ggx", "lambert"};
 
 static shade_bsdf material(int which, int horizon) {
@@ -281,9 +281,9 @@ int main(int argc, char **argv) {
     fputs("horizon: out of memory\n", stderr);
     return 1;
   }
-  shade_bsdf bsdf[MATERIALS][SHADE_HORIZON_COUNT];
+  shade_bsdf bsdf[MATERIALS][CHOICES];
   for (int m = 0; m < MATERIALS; m++)
-    for (int k = 0; k < SHADE_HORIZON_COUNT; k++)
+    for (int k = 0; k < CHOICES; k++)
       bsdf[m][k] = material(m, k);
   const field fields[] = {sinusoid(0.6), band_limited(0.6 / sqrt(2))};
 
@@ -331,8 +331,8 @@ int main(int argc, char **argv) {
                 seconds[m][i].weight > 0 && lit(f, seconds[m][i].p, seconds[m][i].n, wi);
         }
         for (int m = 0; m < MATERIALS; m++) {
-          double truth = 0, more = 0, mean[SHADE_HORIZON_COUNT] = {0};
-          double image[SHADE_HORIZON_COUNT] = {0}, shading[SHADE_HORIZON_COUNT] = {0};
+          double truth = 0, more = 0, mean[CHOICES] = {0};
+          double image[CHOICES] = {0}, shading[CHOICES] = {0};
           for (size_t i = 0; i < count; i++) {
             const point *q = &points[i];
             const second *s = &seconds[m][i];
@@ -340,14 +340,14 @@ int main(int argc, char **argv) {
             truth += here;
             if (light2[i * MATERIALS + (size_t)m])
               more += s->weight * facet(&bsdf[m][0], s->n, wi, s->back);
-            for (int h = 0; h < SHADE_HORIZON_COUNT; h++) {
+            for (int h = 0; h < CHOICES; h++) {
               double flat = shaded(&bsdf[m][h], q->flat_n, wi, wo);
               mean[h] += flat;
               image[h] += fabs(flat - here);
               shading[h] += fabs(shaded(&bsdf[m][h], q->n, wi, wo) - here);
             }
           }
-          for (int h = 0; h < SHADE_HORIZON_COUNT; h++)
+          for (int h = 0; h < CHOICES; h++)
             fprintf(out, "%s,%s,%s,%g,%g,%g,%g,%.6g,%.6g,%.6g,%.6g,%.6g\n", f->name,
                     material_words[m], shade_list_word(SHADE_LIST_HORIZON, h), sun, sun_azimuth,
                     elevation, azimuth, truth / (double)count, (truth + more) / (double)count,

@@ -10,10 +10,8 @@
 
 /* Arrays that the structures of shade.h must have, from the first on. */
 enum { lanes_required = 9, draws_required = 8, results_required = 4 };
-_Static_assert(offsetof(bsdf_lanes, parts) - offsetof(bsdf_lanes, f0r) ==
-                       offsetof(varied_arrays, parts) &&
-                   offsetof(sample_lanes, parts) - offsetof(sample_lanes, f0r) ==
-                       offsetof(varied_arrays, parts),
+_Static_assert(sizeof(bsdf_lanes) - offsetof(bsdf_lanes, f0r) == sizeof(varied_arrays) &&
+                   sizeof(sample_lanes) - offsetof(sample_lanes, f0r) == sizeof(varied_arrays),
                "both end in the arrays of varied_block.h");
 
 /* The parameters of each sample, from f0r on. Parts that do not exist are all of them. */

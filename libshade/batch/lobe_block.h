@@ -20,6 +20,8 @@ typedef struct sample_block {
   vec n, wi, wo;
   lobe_shape shape;
   const real *f0[3], *tint[3], *k[3], *kd[3];
+  int bumps; /* that shade each other: has_bumps of some lane, whose slopes are filled */
+  const real *slopes[5];
 } sample_block;
 
 LEAF void pass_mdf(shade_mdf mdf, size_t count, const lobe_shape *s, const real *restrict t,

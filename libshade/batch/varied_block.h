@@ -6,6 +6,7 @@
 #ifndef SHADE_BATCH_VARIED_BLOCK_H
 #define SHADE_BATCH_VARIED_BLOCK_H
 
+#include "../model/mutual.h"
 #include "../model/public.h"
 #include "diffuse_block.h"
 #include "direction_block.h"
@@ -15,12 +16,13 @@
 typedef struct varied_arrays {
   const real *f0[3], *ax, *ay, *ex, *ey, *f82[3], *eta[3], *k[3], *kd[3], *groove_x, *groove_y;
   size_t parts;
+  const real *slopes[5];
 } varied_arrays;
 
 /* Room for a block's parameters. */
 typedef struct varied_room {
   ROOM kx[BLOCK], ky[BLOCK], peak[BLOCK], gx[BLOCK], gy[BLOCK];
-  ROOM f0[3][BLOCK], tint[3][BLOCK], k[3][BLOCK], kd[3][BLOCK];
+  ROOM f0[3][BLOCK], tint[3][BLOCK], k[3][BLOCK], kd[3][BLOCK], slopes[5][BLOCK];
   int turned; /* into the frame whose x' is (c, s), and whose y' points the other way at side -1 */
   ROOM c[BLOCK], s[BLOCK], side[BLOCK];
   vec_room n, wi, wo;
@@ -43,6 +45,9 @@ static void own_shape(const bsdf *b, size_t count, varied_room *m, sample_block 
   s->shape = (lobe_shape){filled(count, own->kx, m->kx), filled(count, own->ky, m->ky),
                           filled(count, own->peak, m->peak), filled(count, own->gx, m->gx),
                           filled(count, own->gy, m->gy)};
+  s->bumps = has_bumps(b);
+  for (int c = 0; c < 5; c++)
+    s->slopes[c] = filled(s->bumps ? count : 0, own->slopes[c], m->slopes[c]);
 }
 
 static void own_block(const bsdf *b, size_t count, varied_room *m, sample_block *s) {
@@ -59,7 +64,7 @@ static void own_block(const bsdf *b, size_t count, varied_room *m, sample_block 
 
 /* What draws and densities read of it. */
 static void own_proposal(const bsdf *b, size_t count, varied_room *m, sample_block *s) {
-  (b->has_diffuse ? own_block : own_shape)(b, count, m, s);
+  (b->has_diffuse || shade_horizon_is(b->horizon).mutual ? own_block : own_shape)(b, count, m, s);
 }
 
 /* `in` to `out` within the range; NaN becomes `own`. Nonzero when something had to change. */
@@ -265,6 +270,59 @@ static unsigned read_shape(const bsdf *b, size_t count, const real *const given[
   return status;
 }
 
+/* The map's slopes of each sample, of which any may be given. */
+static int any_slopes(const varied_arrays *in) {
+  return in->slopes[0] || in->slopes[1] || in->slopes[2] || in->slopes[3] || in->slopes[4];
+}
+/* |xy| is at most sqrt(xx yy), to rounding. Returns whether it was not. */
+LEAF int bound_slopes(real v[5]) {
+  const real widest = root(v[2]) * root(v[4]);
+  if (absolute(v[3]) <= widest * R(1.000001))
+    return 0;
+  v[3] = v[3] > 0 ? widest : -widest;
+  return 1;
+}
+static unsigned read_slopes(const bsdf *b, const varied_arrays *in, size_t start,
+                            sample_block *block, varied_room *m) {
+  static const real least[5] = {-1000, -1000, 0, -1000000, 0};
+  const size_t count = block->count;
+  const real *own = numbers_of(b)->slopes;
+  int changed = 0;
+  for (int c = 0; c < 5; c++) {
+    filled(count, own[c], m->slopes[c]);
+    if (in->slopes[c])
+      changed |= pass_within(count, least[c], c < 2 ? 1000 : 1000000, own[c], in->slopes[c] + start,
+                             m->slopes[c]);
+  }
+  for (size_t i = 0; i < count; i++) {
+    real v[5] = {0, 0, m->slopes[2][i], m->slopes[3][i], m->slopes[4][i]};
+    changed |= bound_slopes(v);
+    m->slopes[3][i] = v[3];
+  }
+  block->bumps = 1;
+  return changed ? SHADE_CLAMPED_PARAMETER : SHADE_OK;
+}
+
+/* Into the frame of turned_into. */
+LEAF void turn_slopes(real c, real s, real side, real v[5]) {
+  const real x = v[0], y = v[1], xx = v[2], xy = v[3], yy = v[4];
+  v[0] = c * x + s * y;
+  v[1] = side * (c * y - s * x);
+  v[2] = c * c * xx + 2 * c * s * xy + s * s * yy;
+  v[3] = side * (c * s * (yy - xx) + (c * c - s * s) * xy);
+  v[4] = c * c * yy - 2 * c * s * xy + s * s * xx;
+}
+static void pass_turn_slopes(size_t count, varied_room *m) {
+  for (size_t i = 0; i < count; i++) {
+    real v[5];
+    for (int c = 0; c < 5; c++)
+      v[c] = m->slopes[c][i];
+    turn_slopes(m->c[i], m->s[i], m->side[i], v);
+    for (int c = 0; c < 5; c++)
+      m->slopes[c][i] = v[c];
+  }
+}
+
 static unsigned read_colours(const bsdf *b, const varied_arrays *in, size_t start,
                              sample_block *block, varied_room *m) {
   const size_t count = block->count;
@@ -291,9 +349,12 @@ static unsigned read_varied(const bsdf *b, const varied_arrays *in, size_t start
   int mirrored = 0;
   static const varied_arrays none = {.parts = 0};
   m->turned = 0;
-  if (!memcmp(in, &none, offsetof(varied_arrays, parts)))
+  const int slopes = shade_horizon_is(b->horizon).mutual && any_slopes(in);
+  if (!slopes && !memcmp(in, &none, offsetof(varied_arrays, parts)))
     return SHADE_OK;
   unsigned status = read_colours(b, in, start, block, m);
+  if (slopes)
+    status |= read_slopes(b, in, start, block, m);
   const real *given[4] = {in->ax, in->ay, in->ex, in->ey};
   if (given[0] || given[1] || given[2] || given[3]) {
     for (int k = 0; k < 4; k++)
@@ -310,6 +371,12 @@ static unsigned read_varied(const bsdf *b, const varied_arrays *in, size_t start
     status |= SHADE_CLAMPED_PARAMETER;
   if (mirrored)
     pass_axes(count, mirror, m->c, m->s, m->side);
+  if (block->bumps) {
+    if (!slopes) /* those of the block before are turned */
+      for (int c = 0; c < 5; c++)
+        filled(count, numbers_of(b)->slopes[c], m->slopes[c]);
+    pass_turn_slopes(count, m);
+  }
   vec *const v[3] = {&block->n, &block->wi, &block->wo};
   vec_room *const to[3] = {&m->n, &m->wi, &m->wo};
   for (int k = 0; k < 3; k++)

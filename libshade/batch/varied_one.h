@@ -54,6 +54,18 @@ static unsigned vary_shape(bsdf *b, const varied_arrays *in, size_t lane, real *
   return status;
 }
 
+/* The map's slopes. */
+static unsigned vary_slopes(const varied_arrays *in, size_t lane, real own[5]) {
+  static const real least[5] = {-1000, -1000, 0, -1000000, 0};
+  int changed = 0;
+  for (int c = 0; c < 5; c++)
+    if (in->slopes[c])
+      changed |=
+          pass_within(1, least[c], c < 2 ? 1000 : 1000000, own[c], in->slopes[c] + lane, &own[c]);
+  changed |= bound_slopes(own);
+  return changed ? SHADE_CLAMPED_PARAMETER : SHADE_OK;
+}
+
 static unsigned entry_vary(const shade_bsdf *given, const bsdf_lanes *lanes, size_t lane,
                            shade_bsdf *out) {
   bsdf_lanes in;
@@ -79,6 +91,10 @@ static unsigned entry_vary(const shade_bsdf *given, const bsdf_lanes *lanes, siz
     status |= SHADE_CLAMPED_PARAMETER;
   if (mirrored)
     pass_axes(1, mirror, &own->c, &own->s, &own->side);
+  if (any_slopes(&each))
+    status |= vary_slopes(&each, lane, own->slopes);
+  if (mirrored || (each.groove_x && each.groove_y))
+    turn_slopes(own->c, own->s, own->side, own->slopes);
   b->varied = 1;
   b->turned = mirrored || (each.groove_x && each.groove_y);
   if (SHADE_FLOAT)

@@ -34,6 +34,7 @@ typedef struct shade_carry {
     type proposal, per_slope;         /* of the distribution's traits */                           \
     type share_lobe, share_diffuse;   /* mean reflectances */                                      \
     type c, s, side; /* where turned: x' is (c, s), y' the other way at side -1 */                 \
+    type slopes[5];  /* of the map, as shade_params has them */                                    \
   } bsdf_numbers##f;
 BSDF_NUMBERS(double, )
 BSDF_NUMBERS(float, f)

@@ -184,13 +184,10 @@ LEAF cosines cosines_of(const bsdf *b, triple n, triple wi, triple wo) {
   return cosines_about(b->carry.map == SHADE_MAP_NONE ? (triple){0, 0, 1} : n, wi, wo);
 }
 
-/* The density of wi for the n that the lobe is about. */
-static __attribute__((noinline)) real density_about(const bsdf *b, triple n, triple wi, triple wo) {
+/* The density, by the lobe alone, of the direction whose half vector with wo is h: unit for warps;
+ * coso > 0. */
+LEAF real proposed_density(const bsdf *b, triple n, triple h, real hwo, triple wo, real coso) {
   const SUFFIX(bsdf_numbers) *own = numbers_of(b);
-  const cosines c = cosines_of(b, n, wi, wo);
-  triple h = {wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
-  const real hwo = half_cosine(XYZ(h)), unit = b->warp != SHADE_RIGID ? scale_to_unit(XYZ(h)) : 1;
-  h = (triple){h.x * unit, h.y * unit, h.z * unit};
   const lobe_point at = lobe_at(detail(b->carry.frame, n, h));
   lobe_point eye = {0, 0, 0};
   if (b->visible)
@@ -198,10 +195,20 @@ static __attribute__((noinline)) real density_about(const bsdf *b, triple n, tri
   real q = 0;
   for (int part = 0; part < b->carry.parts; part++) {
     const proposed p = propose(proposal_of(b), part, own->kx, own->ky, n);
-    q += p.weight * half_density(b->mdf, b->visible, at, eye, p.kx, p.ky, hwo, c.o);
+    q += p.weight * half_density(b->mdf, b->visible, at, eye, p.kx, p.ky, hwo, coso);
   }
   if (b->warp != SHADE_RIGID)
     q *= warp_stretch(XYZ(n), XYZ(h), b->warp == SHADE_WARP_SMOOTH, 0);
+  return q;
+}
+
+/* The density of wi for the n that the lobe is about. */
+static __attribute__((noinline)) real density_about(const bsdf *b, triple n, triple wi, triple wo) {
+  const cosines c = cosines_of(b, n, wi, wo);
+  triple h = {wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
+  const real hwo = half_cosine(XYZ(h)), unit = b->warp != SHADE_RIGID ? scale_to_unit(XYZ(h)) : 1;
+  h = (triple){h.x * unit, h.y * unit, h.z * unit};
+  const real q = proposed_density(b, n, h, hwo, wo, c.o);
   const real share = b->has_diffuse ? own_share(b, c.o) : R(1.0);
   return mixed_density(even_share(b), share, q, c.i, c.o);
 }
@@ -221,27 +228,35 @@ static real density_by_paths(const bsdf *b, triple n, triple wi, triple wo) {
          by.eye * density_about(b, n, wi, mirrored(n, wo));
 }
 
-/* A direction for the eye wo about n. */
-static __attribute__((noinline)) drawn draw_about(const bsdf *b, triple n, triple wo, real u1,
-                                                  real u2) {
+/* A direction of the diffuse part about n. */
+LEAF drawn draw_diffuse(const bsdf *b, triple n, real u1, real u2) {
+  return settled((drawn){out_of_frame(matt_frame(b), n, draw_matt(even_share(b), u1, u2)), 0});
+}
+
+/* One of the lobe about n, of any length and height; coso >= 0. */
+LEAF drawn draw_proposed(const bsdf *b, triple n, triple wo, real coso, real u1, real u2) {
   const SUFFIX(bsdf_numbers) *own = numbers_of(b);
-  if (b->has_diffuse) {
-    const real share = own_share(b, cosines_of(b, n, wo, wo).o);
-    const int is_lobe = u1 < share;
-    u1 = remapped(u1, share, is_lobe);
-    if (!is_lobe) {
-      const triple w = draw_matt(even_share(b), u1, u2);
-      return settled((drawn){out_of_frame(matt_frame(b), n, w), 0});
-    }
-  }
   const proposed p = choose_proposed(proposal_of(b), own->kx, own->ky, n, u1);
   triple eye = {0, 0, 1};
   if (b->visible) {
     const pair o = into_frame(b->carry.frame, n, wo);
-    eye = (triple){o.x, o.y, cosines_of(b, n, wo, wo).o};
+    eye = (triple){o.x, o.y, coso};
   }
   const triple h = draw_half(b->mdf, b->visible, p.weight, u2, p.kx, p.ky, eye);
-  return settled(reflected(wo, out_of_frame(b->carry.frame, n, h)));
+  return reflected(wo, out_of_frame(b->carry.frame, n, h));
+}
+
+/* A direction for the eye wo about n. */
+static __attribute__((noinline)) drawn draw_about(const bsdf *b, triple n, triple wo, real u1,
+                                                  real u2) {
+  if (b->has_diffuse) {
+    const real share = own_share(b, cosines_of(b, n, wo, wo).o);
+    const int is_lobe = u1 < share;
+    u1 = remapped(u1, share, is_lobe);
+    if (!is_lobe)
+      return draw_diffuse(b, n, u1, u2);
+  }
+  return settled(draw_proposed(b, n, wo, cosines_of(b, n, wo, wo).o, u1, u2));
 }
 
 /* The same for any horizon. */

@@ -173,25 +173,30 @@ typedef struct shade_diffuse_traits {
 #define SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY_IS                                                         \
   { 0, 1, 1 }
 
-/* A horizon: n is bent for the eye; which factor fades light; two facets instead of either. */
+/* A horizon: n is bent for the eye; which factor fades light; two facets instead of either, or
+ * slopes of the map. */
 typedef enum shade_fade { SHADE_FADE_NOT, SHADE_FADE_ESTEVEZ, SHADE_FADE_CHIANG } shade_fade;
 typedef struct shade_horizon_traits {
   int bends;
   shade_fade fade;
-  int facets;
+  int facets, mutual;
 } shade_horizon_traits;
 #define SHADE_HORIZON_HARD_IS                                                                      \
-  { 0, SHADE_FADE_NOT, 0 }
+  { 0, SHADE_FADE_NOT, 0, 0 }
 #define SHADE_HORIZON_VALID_REFLECTION_IS                                                          \
-  { 1, SHADE_FADE_NOT, 0 }
+  { 1, SHADE_FADE_NOT, 0, 0 }
 #define SHADE_HORIZON_ESTEVEZ_IS                                                                   \
-  { 0, SHADE_FADE_ESTEVEZ, 0 }
+  { 0, SHADE_FADE_ESTEVEZ, 0, 0 }
 #define SHADE_HORIZON_CHIANG_IS                                                                    \
-  { 0, SHADE_FADE_CHIANG, 0 }
+  { 0, SHADE_FADE_CHIANG, 0, 0 }
 #define SHADE_HORIZON_SCHUESSLER_IS                                                                \
-  { 0, SHADE_FADE_NOT, 1 }
+  { 0, SHADE_FADE_NOT, 1, 0 }
 #define SHADE_HORIZON_VALID_ESTEVEZ_IS                                                             \
-  { 1, SHADE_FADE_ESTEVEZ, 0 }
+  { 1, SHADE_FADE_ESTEVEZ, 0, 0 }
+
+/* without slopes `hard`, which these traits say */
+#define SHADE_HORIZON_MUTUAL_IS                                                                    \
+  { 0, SHADE_FADE_NOT, 0, 1 }
 
 /* shade_detail_is(d) and so on: the row of a choice. */
 #define SHADE_DETAIL_IS_(NAME, word, value, label, help) [value] = SHADE_DETAIL_##NAME##_IS,

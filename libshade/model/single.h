@@ -12,6 +12,7 @@
 #include "draw.h"
 #include "ggx.h"
 #include "multiscatter.h"
+#include "mutual.h"
 
 /* Directions of a material that shade_bsdf_vary turned, in its frame, and back. */
 LEAF triple framed(const bsdf *b, triple v) {
@@ -48,16 +49,16 @@ typedef struct MAY_ALIAS bsdf_hit {
   triple given;     /* the normal that fades light by shadow_chiang */
   estevez steep;    /* of shadow_estevez */
   unsigned status;
-  int fused, swapped, fibres, facets;
+  int fused, swapped, fibres, paths;
   shade_fade fade;
+  mutual bumps; /* of PATHS_MUTUAL; n and coso are then the diffuse part's */
 } bsdf_hit;
+
+/* How light comes to the eye: at n alone, also by a mirror, or by way of other bumps. */
+enum { PATHS_ONE, PATHS_FACETS, PATHS_MUTUAL };
 
 _Static_assert(sizeof(bsdf_hit) <= sizeof(bsdf_hit_room), "a hit is too large for its room");
 _Static_assert(_Alignof(bsdf_hit) <= _Alignof(bsdf_hit_room), "a hit is less aligned than that");
-
-LEAF real dot_of(triple n, triple w) {
-  return dot(XYZ(n), XYZ(w));
-}
 
 /* L of the fibre, and w across it. */
 LEAF real fibre_length_of(const bsdf *b, triple n) {
@@ -208,19 +209,39 @@ static __attribute__((noinline)) shaded_sample facets_one(const bsdf *b, const b
 }
 
 /* The normal that the lobe is about: bent for the eye where the horizon bends it. */
-LEAF triple bent_for(const bsdf *b, triple n, triple wo) {
-  if (!shade_horizon_is(b->horizon).bends || !needs_bend(XYZ(n), XYZ(wo))) /* seldom, and dear */
+LEAF triple bent(triple n, triple wo) {
+  if (!needs_bend(XYZ(n), XYZ(wo))) /* seldom, and dear */
     return n;
-  const normal bent = bend(XYZ(n), XYZ(wo));
-  return (triple){XYZ(bent)};
+  const normal m = bend(XYZ(n), XYZ(wo));
+  return (triple){XYZ(m)};
+}
+LEAF triple bent_for(const bsdf *b, triple n, triple wo) {
+  return shade_horizon_is(b->horizon).bends ? bent(n, wo) : n;
+}
+
+/* Bumps that shade each other; the diffuse part is that of valid_estevez. */
+static __attribute__((noinline)) void prepare_bumps(const bsdf *b, const triple *n,
+                                                    const triple *wo, bsdf_hit *h) {
+  h->paths = PATHS_MUTUAL;
+  h->fade = SHADE_FADE_ESTEVEZ;
+  h->given = *n;
+  h->steep = estevez_of(n->x, n->y, n->z);
+  prepare_hard(b, bent(*n, *wo), *wo, h);
+  if (wo->z > 0)
+    prepare_mutual(b, *n, *wo, &h->bumps);
 }
 
 /* What shaded needs; n and wo are mended. */
 LEAF void prepare(const bsdf *b, triple n, triple wo, bsdf_hit *h) {
   shade_horizon_traits is = shade_horizon_is(b->horizon);
+  if (has_bumps(b)) {
+    const triple at = n, eye = wo; /* n and wo themselves stay in registers */
+    prepare_bumps(b, &at, &eye, h);
+    return;
+  }
   if (n.x == 0 && n.y == 0 && !is.facets)
     is = shade_horizon_is(SHADE_HORIZON_HARD);
-  h->facets = is.facets;
+  h->paths = is.facets ? PATHS_FACETS : PATHS_ONE;
   h->fade = is.fade;
   h->given = n;
   if (is.fade == SHADE_FADE_ESTEVEZ)
@@ -243,10 +264,33 @@ static __attribute__((noinline)) unsigned entry_prepare(const shade_bsdf *given,
   return h->status;
 }
 
+/* The diffuse part's f cos, and the lobe's of all bumps, over wi.z. */
+static __attribute__((noinline)) shaded_sample bumps_one(const bsdf *b, const bsdf_hit *h,
+                                                         const triple *light) {
+  const triple wi = *light, wo = h->wo;
+  shaded_sample out = {{0, 0, 0}, maximum(wi.z, 0), SHADE_OK};
+  if (opposite(XYZ(wi), XYZ(wo)))
+    out.status = SHADE_BAD_INPUT;
+  if (out.status || !(wi.z > 0 && wo.z > 0))
+    return out;
+  if (!b->black)
+    out.f = mutual_value(b, &h->bumps, wi, wo);
+  const real cosi = dot_of(h->n, wi);
+  if (b->has_diffuse && cosi > 0 && h->coso > 0) {
+    const real q =
+        phi_one(b, h, wi, cosi) * R(0.31830988618379067154) * shadow_of(h->steep, XYZ(wi));
+    out.f.x += diffuse_scale(b, 0) * q;
+    out.f.y += diffuse_scale(b, 1) * q;
+    out.f.z += diffuse_scale(b, 2) * q;
+  }
+  out.f = scaled(out.f, 1 / maximum(wi.z, R(1e-20)));
+  return out;
+}
+
 LEAF shaded_sample shaded(const bsdf *b, const bsdf_hit *h, triple wi) {
-  if (h->facets) {
+  if (h->paths != PATHS_ONE) {
     const triple light = wi; /* wi itself stays in registers */
-    return facets_one(b, h, &light);
+    return h->paths == PATHS_FACETS ? facets_one(b, h, &light) : bumps_one(b, h, &light);
   }
   shaded_sample out = hard_one(b, h, wi);
   if (h->fade == SHADE_FADE_ESTEVEZ)
@@ -295,9 +339,17 @@ static __attribute__((noinline)) unsigned density_of(const bsdf *b, unsigned sta
   return status;
 }
 
+static unsigned entry_hit_pdf(const shade_bsdf *given, const bsdf_hit_room *room,
+                              const real wi_in[3], real *pdf);
+
 static unsigned entry_pdf(const shade_bsdf *given, const real n_in[3], const real wi_in[3],
                           const real wo_in[3], real *pdf) {
   const bsdf *b = bsdf_of(given);
+  if (has_bumps(b)) {
+    bsdf_hit_room room;
+    entry_prepare(given, n_in, wo_in, &room);
+    return entry_hit_pdf(given, &room, wi_in, pdf);
+  }
   const direction n = direction_of(n_in, 1), wi = direction_of(wi_in, 0);
   const direction wo = direction_of(wo_in, 0);
   const triple eye = framed(b, wo.v);
@@ -310,11 +362,53 @@ LEAF triple drawn_about(const bsdf *b, const bsdf_hit *h) {
   return b->carry.map == SHADE_MAP_NONE ? h->given : h->n;
 }
 
+/* Of bumps that shade each other: the lobe's, and the diffuse part's about the bent normal. */
+static __attribute__((noinline)) real bumps_density(const bsdf *b, const bsdf_hit *h, triple wi) {
+  if (!(wi.z > 0 && h->wo.z > 0))
+    return 0;
+  const real q = mutual_density(b, &h->bumps, wi, h->wo);
+  if (!b->has_diffuse)
+    return q;
+  const cosines c = cosines_about(h->n, wi, h->wo);
+  const real share = own_share(b, maximum(h->coso, 0));
+  return share * q + (1 - share) * mixed_density(even_share(b), 0, 0, c.i, c.o);
+}
+static drawn bumps_draw(const bsdf *b, const bsdf_hit *h, real u1, real u2) {
+  if (!(h->wo.z > 0))
+    return (drawn){{0, 0, 1}, 1};
+  if (b->has_diffuse) {
+    const real share = own_share(b, maximum(h->coso, 0));
+    const int is_lobe = u1 < share;
+    u1 = remapped(u1, share, is_lobe);
+    if (!is_lobe)
+      return draw_diffuse(b, h->n, u1, u2);
+  }
+  return mutual_draw(b, &h->bumps, h->wo, u1, u2);
+}
+
+/* Of a hit with any horizon, mended, and no opposites. */
+LEAF real hit_density(const bsdf *b, const bsdf_hit *h, triple wi) {
+  return has_bumps(b) ? bumps_density(b, h, wi) : density_by_paths(b, drawn_about(b, h), wi, h->wo);
+}
+LEAF drawn hit_draw(const bsdf *b, const bsdf_hit *h, real u1, real u2) {
+  return has_bumps(b) ? bumps_draw(b, h, u1, u2)
+                      : draw_by_paths(b, drawn_about(b, h), h->wo, u1, u2);
+}
+
 static unsigned entry_hit_pdf(const shade_bsdf *given, const bsdf_hit_room *room,
                               const real wi_in[3], real *pdf) {
   const bsdf *b = bsdf_of(given);
   const bsdf_hit *h = (const bsdf_hit *)room;
   const direction wi = direction_of(wi_in, 0);
+  if (has_bumps(b)) {
+    const unsigned status = h->status | wi.status;
+    const triple w = framed(b, wi.v);
+    *pdf = 0;
+    if (status & SHADE_BAD_INPUT || opposite(XYZ(w), XYZ(h->wo)))
+      return status | SHADE_BAD_INPUT;
+    *pdf = bumps_density(b, h, w);
+    return status;
+  }
   return density_of(b, h->status | wi.status, drawn_about(b, h), framed(b, wi.v), h->wo, pdf);
 }
 
@@ -331,9 +425,8 @@ static __attribute__((noinline)) unsigned entry_hit_sample(const shade_bsdf *giv
   if (u[0] != u[0] || u[1] != u[1])
     status |= SHADE_BAD_INPUT;
   if (!(status & SHADE_BAD_INPUT)) {
-    const triple about = drawn_about(b, h);
-    d = draw_by_paths(b, about, h->wo, uniform_of(u[0]), uniform_of(u[1]));
-    *pdf = d.lost > 0 ? 0 : density_by_paths(b, about, d.w, h->wo);
+    d = hit_draw(b, h, uniform_of(u[0]), uniform_of(u[1]));
+    *pdf = d.lost > 0 ? 0 : hit_density(b, h, d.w);
   }
   if (*pdf > 0) {
     out = shaded(b, h, d.w);

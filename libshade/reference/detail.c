@@ -147,3 +147,20 @@ void shade_ref_turned(double angle, const double v[3], double out[3]) {
   out[1] = (double)turned.y;
   out[2] = (double)turned.z;
 }
+
+/* Of the second moment by its turned sides: R S R^T. */
+void shade_ref_turned_slopes(double angle, const double v[5], double out[5]) {
+  const real r[2][2] = {{cosl(angle), sinl(angle)}, {-sinl(angle), cosl(angle)}};
+  const real s[2][2] = {{v[2], v[3]}, {v[3], v[4]}}, m[2] = {v[0], v[1]};
+  real mean[2] = {0, 0}, to[2][2] = {{0, 0}, {0, 0}};
+  for (int i = 0; i < 2; i++)
+    for (int k = 0; k < 2; k++) {
+      mean[i] += r[i][k] * m[k];
+      for (int j = 0; j < 2; j++)
+        for (int l = 0; l < 2; l++)
+          to[i][j] += r[i][k] * s[k][l] * r[j][l];
+    }
+  const real all[5] = {mean[0], mean[1], to[0][0], to[0][1], to[1][1]};
+  for (int i = 0; i < 5; i++)
+    out[i] = (double)all[i];
+}

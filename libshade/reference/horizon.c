@@ -146,6 +146,15 @@ unsigned shade_ref_f(const shade_params *p, const double n_in[3], const double w
   unsigned status = n_in[2] <= 0 ? SHADE_CLAMPED_NORMAL : SHADE_OK;
   shade_horizon horizon = p->detail == SHADE_DETAIL_NONE ? SHADE_HORIZON_HARD : p->horizon;
   real value[3], cosi, factor = ref_shadow(horizon, n, wi); /* 1 but for two of them */
+  if (ref_has_bumps(p)) {
+    status |= length(plus(wi, wo)) <= 1e-15L ? SHADE_BAD_INPUT : SHADE_OK;
+    ref_mutual_f(p, n, lobe_n, wi, wo, value);
+    for (int i = 0; i < 3; i++)
+      f[i] = status & SHADE_BAD_INPUT ? 0 : (double)value[i];
+    if (cosine)
+      *cosine = wi.z > 0 ? (double)wi.z : 0;
+    return status;
+  }
   if (ref_bends(horizon)) {
     vec turned = ref_bent(n, wo);
     lobe_n = turned.z > n.z ? turned : lobe_n;

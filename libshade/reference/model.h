@@ -71,4 +71,28 @@ real ref_unhidden(const facets *s, int facet, vec w);
 /* What is left of the light, by horizon. */
 real ref_shadow(shade_horizon horizon, vec n, vec wi);
 
+/* ---- pdf.c ---- */
+
+/* One lobe of half vectors: two exponents for Ashikhmin-Shirley and Ward, else two alphas. */
+typedef struct proposal {
+  real x, y, weight;
+} proposal;
+/* The lobes that the method draws from under n: how many, at most three. */
+int ref_proposals(const shade_params *p, vec n, proposal q[3]);
+/* The method whose frame they are drawn in, and whether as the eye sees them. */
+shade_detail ref_drawn_in(const shade_params *p);
+int ref_draws_visible(const shade_params *p);
+/* Density of wi about n by the lobe; wi and wo are above n's horizon. */
+real ref_lobe_density(const shade_params *p, vec n, vec wi, vec wo);
+/* The lobe's density beside that of the diffuse part about n. */
+real ref_with_matt(const shade_params *p, vec n, vec wi, vec wo, real density);
+
+/* ---- mutual.c ---- */
+
+enum { SHADE_REF_NODES = 8 };
+/* Whether the material has slopes for bumps to shade each other by. */
+int ref_has_bumps(const shade_params *p);
+void ref_mutual_f(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo, real f[3]);
+real ref_mutual_density(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo);
+
 #endif

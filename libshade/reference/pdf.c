@@ -4,11 +4,6 @@
 
 #include <math.h>
 
-/* One lobe of half vectors: two exponents for Ashikhmin-Shirley and Ward, else two alphas. */
-typedef struct proposal {
-  real x, y, weight;
-} proposal;
-
 static int by_exponents(const shade_params *p) {
   return p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY || p->mdf == SHADE_MDF_WARD;
 }
@@ -47,8 +42,7 @@ static real half_density(const shade_params *p, proposal q, vec m, vec eye, int 
   return visible ? d * dot(m, eye) / (eye.z * (1 + lambda_o)) : d * c;
 }
 
-/* The lobes that the method draws from under n: how many, at most three. */
-static int proposals(const shade_params *p, vec n, proposal q[3]) {
+int ref_proposals(const shade_params *p, vec n, proposal q[3]) {
   real ax = within(p->ax, 1e-4L, 10), ay = within(p->ay, 1e-4L, 10);
   real ex = within(p->ex, 0, 1e6L), ey = within(p->ey, 0, 1e6L);
   shade_detail detail = ref_method_of(p);
@@ -80,22 +74,28 @@ static int proposals(const shade_params *p, vec n, proposal q[3]) {
   return 3;
 }
 
-/* Density of wi about n, wi and wo above both horizons. */
-static real lobe_density(const shade_params *p, vec n, vec wi, vec wo) {
-  shade_detail detail = ref_method_of(p), frame = detail;
-  vec h = unit(plus(wi, wo));
+shade_detail ref_drawn_in(const shade_params *p) {
+  const shade_detail detail = ref_method_of(p);
   if (detail == SHADE_DETAIL_PERTURB) /* its lobes are carried by the smallest rotation */
-    frame = SHADE_DETAIL_SHORTEST_ARC;
-  if (detail == SHADE_DETAIL_ROTATE_APPROXIMATE)
-    frame = SHADE_DETAIL_ROTATE;
-  int visible = ref_brdf_of(p) == SHADE_BRDF_MICROFACET && !ref_is_warp(detail) &&
-                (p->mdf == SHADE_MDF_BECKMANN || p->mdf == SHADE_MDF_GGX);
+    return SHADE_DETAIL_SHORTEST_ARC;
+  return detail == SHADE_DETAIL_ROTATE_APPROXIMATE ? SHADE_DETAIL_ROTATE : detail;
+}
+
+int ref_draws_visible(const shade_params *p) {
+  return ref_brdf_of(p) == SHADE_BRDF_MICROFACET && !ref_is_warp(ref_method_of(p)) &&
+         (p->mdf == SHADE_MDF_BECKMANN || p->mdf == SHADE_MDF_GGX);
+}
+
+real ref_lobe_density(const shade_params *p, vec n, vec wi, vec wo) {
+  const shade_detail detail = ref_method_of(p), frame = ref_drawn_in(p);
+  const int visible = ref_draws_visible(p);
+  vec h = unit(plus(wi, wo));
   vec m = ref_carried_by(frame, p, n, h);
   if (m.z <= 0)
     return 0;
   vec eye = visible ? ref_carried_by(frame, p, n, wo) : wo;
   proposal q[3];
-  int count = proposals(p, n, q);
+  int count = ref_proposals(p, n, q);
   real density = 0;
   for (int i = 0; i < count; i++)
     density += q[i].weight * half_density(p, q[i], m, eye, visible);
@@ -122,21 +122,24 @@ static real lobe_share(const shade_params *p, real coso) {
   return within(specular / (specular + matt), 0.1L, 0.9L);
 }
 
+real ref_with_matt(const shade_params *p, vec n, vec wi, vec wo, real density) {
+  if (!(p->kd[0] > 0 || p->kd[1] > 0 || p->kd[2] > 0))
+    return density;
+  const real cosi = dot(n, wi), coso = dot(n, wo);
+  int fibres = p->diffuse != SHADE_DIFFUSE_LAMBERT && p->diffuse != SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
+  real matt = fibres ? 0.5L * cosi / pi + 0.25L / pi : cosi / pi;
+  if (cosi <= 0 || coso <= 0)
+    matt = 0;
+  const real share = lobe_share(p, coso > 0 ? coso : 0);
+  return share * density + (1 - share) * matt;
+}
+
 /* Density by the rule of `hard`. `lobe_n` is n as the distribution takes it. */
 static real hard_density(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo) {
   vec pole = p->detail == SHADE_DETAIL_NONE ? (vec){0, 0, 1} : n;
-  real cosi = dot(pole, wi), coso = dot(pole, wo);
-  if (cosi <= 0 || coso <= 0 || wi.z <= 0 || wo.z <= 0)
+  if (dot(pole, wi) <= 0 || dot(pole, wo) <= 0 || wi.z <= 0 || wo.z <= 0)
     return 0;
-  real density = lobe_density(p, lobe_n, wi, wo);
-  if (p->kd[0] > 0 || p->kd[1] > 0 || p->kd[2] > 0) {
-    int fibres =
-        p->diffuse != SHADE_DIFFUSE_LAMBERT && p->diffuse != SHADE_DIFFUSE_ASHIKHMIN_SHIRLEY;
-    real matt = fibres ? 0.5L * cosi / pi + 0.25L / pi : cosi / pi;
-    real share_of_lobe = lobe_share(p, coso);
-    density = share_of_lobe * density + (1 - share_of_lobe) * matt;
-  }
-  return density;
+  return ref_with_matt(p, pole, wi, wo, ref_lobe_density(p, lobe_n, wi, wo));
 }
 
 /* The three ways that draws of two facets come to wi, each with its probability. */
@@ -172,6 +175,8 @@ double shade_ref_pdf(const shade_params *p, const double n_in[3], const double w
   vec lobe_n = ref_as_given(p, n_in, n);
   if (p->detail == SHADE_DETAIL_NONE)
     return (double)hard_density(p, n, lobe_n, wi, wo);
+  if (ref_has_bumps(p))
+    return (double)ref_mutual_density(p, n, lobe_n, wi, wo);
   if (ref_bends(p->horizon)) {
     vec turned = ref_bent(n, wo);
     lobe_n = turned.z > n.z ? turned : lobe_n;

@@ -31,6 +31,12 @@ double shade_ref_pdf(const shade_params *p, const double n[3], const double wi[3
                      const double wo[3]);
 
 /*
+ * For horizon `mutual`: the share of the light that other bumps keep back, by so many draws of
+ * each side of the bump. f has those of 8; thousands are as good as an integral.
+ */
+double shade_ref_kept_back(const shade_params *p, const double n[3], const double wo[3], int nodes);
+
+/*
  * The normal whose lobe and horizon f has under p->horizon: n, made unit and lifted as above,
  * and for valid_reflection and valid_estevez bent by wo. n and wo must be usable directions.
  */
@@ -41,6 +47,8 @@ void shade_ref_normal(const shade_params *p, const double n[3], const double wo[
  * whose grooves run another way is shaded with n, wi and wo turned so. v and out may be the same.
  */
 void shade_ref_turned(double angle, const double v[3], double out[3]);
+/* The same of slopes, as shade_params has them. */
+void shade_ref_turned_slopes(double angle, const double v[5], double out[5]);
 
 /*
  * Phi by the contract of shade_diffuse_eval, the fibre models by quadrature.

@@ -46,8 +46,11 @@ enum { SHADE_TABLE_PARAMS(PARAM_INDEX) PARAM_COUNT };
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmissing-braces"
 #pragma GCC diagnostic error "-Wmissing-field-initializers"
-static const shade_params nothing = {
-    0, 0, SHADE_TABLE_LISTS(ONE_ZERO) SHADE_TABLE_PARAMS(KIND_OF_ZEROS) /* defaults */ 0};
+static const shade_params nothing = {0,
+                                     0,
+                                     SHADE_TABLE_LISTS(ONE_ZERO)
+                                         SHADE_TABLE_PARAMS(KIND_OF_ZEROS) /* defaults */ 0,
+                                     {0, 0, 0, 0, 0}};
 #pragma GCC diagnostic pop
 #define MEMBER_FITS(word, kind, ...)                                                               \
   _Static_assert(sizeof nothing.word == COMPONENTS_##kind * sizeof(double),                        \
@@ -268,6 +271,40 @@ shade_params shade_whole_params(const shade_params *given) {
   return p;
 }
 
+/* A map's slopes within their ranges; what is no number is 0. Returns status bits. */
+static unsigned clamp_slopes(double slopes[5]) {
+  static const double least[5] = {-1e3, -1e3, 0, -1e6, 0}, most[5] = {1e3, 1e3, 1e6, 1e6, 1e6};
+  double within[5];
+  for (int c = 0; c < 5; c++)
+    within[c] = isnan(slopes[c]) ? 0 : fmin(fmax(slopes[c], least[c]), most[c]);
+  const double widest = sqrt(within[2]) * sqrt(within[4]);
+  if (!(fabs(within[3]) <= widest * (1 + 1e-7))) /* rounded to float it may lie beyond */
+    within[3] = within[3] > 0 ? widest : -widest;
+  int same = 1;
+  for (int c = 0; c < 5; c++)
+    same &= within[c] == slopes[c];
+  memcpy(slopes, within, sizeof within);
+  return same ? SHADE_OK : SHADE_CLAMPED_PARAMETER;
+}
+
+static int has_slopes(const shade_params *p) {
+  return offsetof(shade_params, slopes) + sizeof p->slopes <= p->size;
+}
+
+unsigned shade_params_set_slopes(shade_params *p, const double slopes[5]) {
+  if (!has_slopes(p))
+    return SHADE_BAD_INPUT;
+  memcpy(p->slopes, slopes, sizeof p->slopes);
+  return clamp_slopes(p->slopes);
+}
+
+unsigned shade_params_get_slopes(const shade_params *p, double slopes[5]) {
+  if (!has_slopes(p))
+    return SHADE_BAD_INPUT;
+  memcpy(slopes, p->slopes, sizeof p->slopes);
+  return SHADE_OK;
+}
+
 shade_params shade_params_within_ranges(const shade_params *given, unsigned *status) {
   shade_params p = shade_whole_params(given);
   if (given && !shade_size_is_set(given->size))
@@ -278,6 +315,7 @@ shade_params shade_params_within_ranges(const shade_params *given, unsigned *sta
   for (int row = 0; row < PARAM_COUNT; row++)
     for (int c = 0; c < params[row].components; c++)
       numbers_at(&p, row)[c] = clamp(row, numbers_at(&p, row)[c], status);
+  *status |= clamp_slopes(p.slopes);
   return p;
 }
 
@@ -338,7 +376,10 @@ int shade_params_json(const shade_params *given, int id, const char *name, char 
       put_number(&t, c > 0 ? ", " : count > 1 ? "[" : "", numbers_at(&p, row)[c]);
     put(&t, count > 1 ? "]" : "");
   }
-  put(&t, "}");
+  if (p.slopes[2] > 0 || p.slopes[4] > 0)
+    for (int c = 0; c < 5; c++)
+      put_number(&t, c ? ", " : ", \"slopes\": [", p.slopes[c]);
+  put(&t, p.slopes[2] > 0 || p.slopes[4] > 0 ? "]}" : "}");
   if (capacity)
     buffer[t.length < capacity ? t.length : capacity - 1] = 0;
   return (int)t.length;

@@ -88,6 +88,8 @@ unsigned shade_bsdf_setup(shade_bsdf *out, const shade_params *given) {
   b->warp = shade_map_is(b->carry.map).kind;
   b->conserve = detail.conserve;
   b->has_specular = 1;
+  for (int c = 0; c < 5; c++)
+    b->numbers.slopes[c] = p.slopes[c];
   for (int c = 0; c < 3; c++) {
     b->numbers.f0[c] = p.f0[c];
     if (b->fresnel == SHADE_FRESNEL_F82)

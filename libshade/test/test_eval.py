@@ -216,6 +216,20 @@ def test_horizon(precision):
     assert mirrored == pytest.approx(plain * n[2], rel=PRECISIONS[precision])
 
 
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_bumps_that_shade_each_other(precision):
+    """Seen from above n = z is shown whole, and Smith's 1/(1 + Lambda) of the slopes is let through; none of the nodes of such
+    a narrow lobe goes so low that another bump keeps it back. Without slopes it is hard."""
+    query = [(0, 0, 1, 0.8, 0, 0.6, 0, 0, 1)]
+    options = ("--what", "f", "--ax", "0.3", "--ay", "0.3", "--mdf", "ggx", "--precision", precision, "--horizon")
+    (plain,) = evaluate(query, *options, "hard")
+    assert evaluate(query, *options, "mutual") == [plain]
+    a = 0.6 / math.sqrt(2 * 0.5 * 1.0002 * 0.64)
+    masked = plain / (1 + (1 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a))
+    (bumpy,) = evaluate(query, *options, "mutual", "--slopes", "0,0,0.5,0,0.5")
+    assert bumpy == pytest.approx(masked, rel=max(PRECISIONS[precision], 1e-12))
+
+
 def test_horizon_is_hard_unless_asked_for():
     """The plain formula at n: no bending, no fading, whatever the library starts with."""
     n, wi, wo = (0.6, 0, 0.8), (0.6, 0, 0.8), (0.6, 0, 0.8)
@@ -282,6 +296,8 @@ def test_malformed_line_is_named(line, word):
     (("--what", "g"), "D, f, diffuse, pdf or sample"),
     (("--diffuse", "velvet"), "max_normal"),
     (("--horizon", "event"), "schuessler"),
+    (("--slopes", "0,0,1,0"), "x,y,xx,xy,yy"),
+    (("--slopes", "0,0,1,2,1"), "sqrt(xx yy)"),
     (("--precision", "half"), "float"),
     (("--colour", "1"), "unknown option"),
     (("--fresnel", "schlick"), "unknown option"),  # it follows from the numbers

@@ -7,6 +7,9 @@
 
 #include "support.h"
 
+/* Those that need no slopes. Without them `mutual` is `hard`; with them: test_mutual.c. */
+enum { CHOICES = SHADE_HORIZON_MUTUAL };
+
 static double dot3(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -80,7 +83,7 @@ static int well_inside(const shade_params *p, const double n[3], const double wi
 
 static void against_reference(void **state) {
   (void)state;
-  for (int horizon = 0; horizon < SHADE_HORIZON_COUNT; horizon++) {
+  for (int horizon = 0; horizon < CHOICES; horizon++) {
     uint64_t seed = 21;
     double worst = 0, worstf = 0, worst_warp = 0;
     int lit = 0, changed = 0;
@@ -337,13 +340,13 @@ static void continuity(void **state) {
   } models[] = {{SHADE_MDF_ASHIKHMIN_SHIRLEY, SHADE_BRDF_ASHIKHMIN_SHIRLEY},
                 {SHADE_MDF_GGX, SHADE_BRDF_MICROFACET}};
   /* 1: f cos must not jump there. The others do, or there would be nothing to mend */
-  const int smooth[SHADE_HORIZON_COUNT][EDGES] = {
+  const int smooth[CHOICES][EDGES] = {
       [SHADE_HORIZON_HARD] = {1, 0, 0},       [SHADE_HORIZON_VALID_REFLECTION] = {1, 1, 0},
       [SHADE_HORIZON_ESTEVEZ] = {1, 0, 1},    [SHADE_HORIZON_CHIANG] = {1, 0, 1},
       [SHADE_HORIZON_SCHUESSLER] = {1, 1, 1}, [SHADE_HORIZON_VALID_ESTEVEZ] = {1, 1, 1},
   };
   for (int m = 0; m < 2; m++)
-    for (int horizon = 0; horizon < SHADE_HORIZON_COUNT; horizon++) {
+    for (int horizon = 0; horizon < CHOICES; horizon++) {
       double found[EDGES];
       for (int e = 0; e < EDGES; e++)
         found[e] = jump((shade_horizon)horizon, models[m].mdf, models[m].brdf, (edge)e);
@@ -358,8 +361,8 @@ static void continuity(void **state) {
 
 static void reciprocity(void **state) {
   (void)state;
-  double apart[SHADE_HORIZON_COUNT] = {0};
-  for (int horizon = 0; horizon < SHADE_HORIZON_COUNT; horizon++) {
+  double apart[CHOICES] = {0};
+  for (int horizon = 0; horizon < CHOICES; horizon++) {
     uint64_t seed = 25;
     for (int k = 0; k < 20000; k++) {
       shade_params p = random_params(&seed, (shade_horizon)horizon);
@@ -376,7 +379,7 @@ static void reciprocity(void **state) {
                   apart[horizon]);
   }
   assert_true(apart[SHADE_HORIZON_HARD] < 1e-12 && apart[SHADE_HORIZON_SCHUESSLER] < 1e-11);
-  for (int horizon = SHADE_HORIZON_VALID_REFLECTION; horizon < SHADE_HORIZON_COUNT; horizon++)
+  for (int horizon = SHADE_HORIZON_VALID_REFLECTION; horizon < CHOICES; horizon++)
     assert_true(horizon == SHADE_HORIZON_SCHUESSLER || apart[horizon] > 0.1);
 }
 

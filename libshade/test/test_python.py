@@ -278,6 +278,21 @@ def test_shapes_and_types():
     assert drawn.wi.shape == (COUNT, 7, 3) and drawn.pdf.shape == (COUNT, 7)
 
 
+def test_slopes_of_a_map():
+    """Of the material, or of each sample; the digits are those of the C tests."""
+    slopes = (0.1, -0.2, 0.2, 0.05, 0.1)
+    flat = shade.Material(mdf="ggx", ax=0.2, ay=0.4, horizon="mutual")
+    bumpy = flat.replace(slopes=slopes)
+    assert bumpy.slopes == slopes and eval(repr(bumpy)).slopes == slopes and flat.slopes == (0,) * 5
+    assert "slopes" not in flat.json() and bumpy.json()["slopes"] == list(slopes)
+    whole = shade.eval(bumpy, N, WI, WO)
+    assert whole.f.tolist() == shade.eval(flat, N, WI, WO, slopes=slopes).f.tolist()
+    assert whole.f.tolist() != shade.eval(flat, N, WI, WO).f.tolist()
+    for wrong in ((1, 2), (0, 0, -1, 0, 1), (0, 0, 1, 2, 1), (np.nan, 0, 1, 0, 1)):
+        with pytest.raises(ValueError, match="slopes: .* expected x, y from"):
+            shade.Material(slopes=wrong)
+
+
 def test_what_was_mended_is_said():
     said = shade.Status()
     assert not said and str(said) == "ok"
@@ -308,7 +323,7 @@ def test_materials():
     assert shade.eval(older.replace(brdf="auto"), *flat).f[:, :1] == pytest.approx(truths[1])
     # what an older version pickled is shorter
     ours, (params,) = older.replace(brdf="auto").__reduce__()
-    for size, brdf in ((len(params) - 16, "ashikhmin_shirley"), (len(params) - 8, "auto")):  # without and with `defaults`
+    for size, brdf in ((_library.DEFAULTS_AT, "ashikhmin_shirley"), (_library.DEFAULTS_AT + 8, "auto")):  # without and with `defaults`
         assert ours(size.to_bytes(8, sys.byteorder) + params[8:size]).json()["brdf"] == brdf
     gold = shade.Material(metal="gold")
     assert gold.fresnel == "conductor" and gold.k == shade.metals()["gold"].k

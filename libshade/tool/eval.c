@@ -116,6 +116,10 @@ static void usage(FILE *to) {
   for (int row = 0; shade_param_row(row, &info); row++)
     fprintf(to, "  --%-8s %s, %g to %g%s\n", info.word, info.help, info.minimum, info.maximum,
             info.components > 1 ? ", in every channel" : "");
+  fputs("  --slopes   x,y,xx,xy,yy: of the map, for --horizon mutual: its mean slope, and the "
+        "second\n"
+        "             moment of slopes about it (default 0,0,0,0,0)\n",
+        to);
   fputs("  (default", to);
   print_initial_lobe(to, &initial);
   fprintf(to, ")\n  --defaults 0 to %d, the version of the defaults (default %d)", SHADE_DEFAULTS,
@@ -176,6 +180,30 @@ static int set_number(query *q, int row, const char *option, const char *value) 
   return bad_usage(option, value, range);
 }
 
+/* Five numbers with commas between them. */
+static int set_slopes(query *q, const char *option, const char *value) {
+  static const char *const expected =
+      "x,y,xx,xy,yy: mean slope from -1e3 to 1e3, moments from 0 to 1e6, |xy| at most sqrt(xx yy)";
+  char text[200];
+  double v[5];
+  if (strlen(value) >= sizeof text)
+    return bad_usage(option, value, expected);
+  strcpy(text, value);
+  char *at = text;
+  for (int i = 0; i < 5; i++) {
+    char *comma = strchr(at, ',');
+    if (!comma != (i == 4))
+      return bad_usage(option, value, expected);
+    if (comma)
+      *comma = 0;
+    if (!tool_parse_number(at, &v[i]))
+      return bad_usage(option, value, expected);
+    at = comma ? comma + 1 : at;
+  }
+  return shade_params_set_slopes(&q->params, v) == SHADE_OK ? TOOL_DONE
+                                                            : bad_usage(option, value, expected);
+}
+
 /* Fresnel follows from which of its numbers were given. */
 static int choose_fresnel(query *q, unsigned given) {
   const shade_list list = SHADE_LIST_FRESNEL;
@@ -203,7 +231,7 @@ static shade_list find_list(const char *name) {
 static int takes_value(const char *option) {
   return find_list(option + 2) != SHADE_LIST_COUNT || shade_param_find(option + 2) >= 0 ||
          !strcmp(option, "--defaults") || !strcmp(option, "--precision") ||
-         !strcmp(option, "--what");
+         !strcmp(option, "--slopes") || !strcmp(option, "--what");
 }
 
 /* Sets what an option of takes_value says. Numbers that were given are noted in *given, a bit each
@@ -219,6 +247,8 @@ static int read_option(query *q, const char *option, const char *value, unsigned
   }
   if (!strcmp(option, "--defaults")) /* before all others */
     return TOOL_DONE;
+  if (!strcmp(option, "--slopes"))
+    return set_slopes(q, option, value);
   if (!strcmp(option, "--precision")) {
     const int k = find_word(precision_words, value);
     if (k < 0)

@@ -152,6 +152,7 @@ typedef struct shade_params {
   shade_horizon horizon;
   size_t defaults; /* version of the defaults that were filled in; 0 where `size` ends before it */
   shade_multiscatter multiscatter; /* off where `size` ends before it */
+  double slopes[5]; /* for SHADE_HORIZON_MUTUAL: x, y, xx, xy, yy; see shade_bsdf_eval */
 } shade_params;
 
 /**
@@ -210,6 +211,27 @@ SHADE_API unsigned shade_params_set_exponents(shade_params *p, double ex, double
  * @return status bits; SHADE_BAD_INPUT without p->size
  */
 SHADE_API unsigned shade_params_set_alphas(shade_params *p, double ax, double ay);
+
+/**
+ * Set the slopes of the map that bumps a surface, for SHADE_HORIZON_MUTUAL.
+ *
+ * @param p       the material; where its `size` is that of a structure without slopes, nothing is
+ * set
+ * @param slopes  x, y: the map's mean slope, [-1e3, 1e3]; xx, xy, yy: the second moment of slopes
+ *                about it, xx and yy in [0, 1e6], xy at most sqrt(xx yy) either way
+ * @return status bits; SHADE_CLAMPED_PARAMETER for what was brought into its range, and for NaN,
+ *         which becomes 0; SHADE_BAD_INPUT where nothing was set
+ */
+SHADE_API unsigned shade_params_set_slopes(shade_params *p, const double slopes[5]);
+
+/**
+ * The slopes of a material, as they stand in *p.
+ *
+ * @param p       the material
+ * @param slopes  out: as shade_params_set_slopes takes them
+ * @return status bits; SHADE_BAD_INPUT, and *slopes is left, where p->size ends before them
+ */
+SHADE_API unsigned shade_params_get_slopes(const shade_params *p, double slopes[5]);
 
 /**
  * Set alphas and exponents from the roughness and anisotropy of another program.
@@ -333,7 +355,8 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  * The BRDF f(wi, wo) and its cosine. A picture is f * cosine * irradiance.
  *
  * f is 0 where n.wi, n.wo, wi.z or wo.z is <= 0, unless the horizon of the material says otherwise,
- * as the default does. All horizons are exactly `hard` where n = z, and with SHADE_DETAIL_NONE.
+ * as the default does. All horizons but `mutual` are exactly `hard` where n = z, and all with
+ * SHADE_DETAIL_NONE.
  * [Cycles ensure_valid_specular_reflection; Estevez2019; Chiang2019; Schuessler2017]
  *
  * - `hard` is the rule above. It is reciprocal where the BRDF is.
@@ -355,6 +378,16 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  *   ((p(wi) + q(wi)) (p(wo) + q(wo))), each f by the rule of `hard`. The cosine is wi.z, not n.wi,
  *   and f does not vanish where n.wi < 0. It is reciprocal where the BRDF is. No albedo is above
  *   the largest of the BRDF.
+ * - `mutual` lets bumps shade and light each other, by the slopes of their map, `slopes` of the
+ *   material: the mean slope (x, y) of the whole map, [-1e3, 1e3], and the second moment (xx, xy,
+ *   yy) of slopes about it, in a window about the hit. xx and yy are in [0, 1e6], and |xy| is at
+ *   most sqrt(xx yy). A slope is -(nx, ny)/nz, along the tangent and along y. Where xx + yy is 0 it
+ *   is `hard`. Else a share of n, min(1, p/Ao), is shaded, p = n.wo/nz and Ao the area that bumps
+ *   show wo in the mean. The rest is the other side of the bump, whose slope is mirrored along wo.
+ *   Both are masked by Smith's (1 + Lo)/(1 + Lo + Li) of the second moment. What that keeps back is
+ *   found by SHADE_MUTUAL_NODES draws of fixed numbers, and comes back by another bump, with F^2:
+ *   F twice, its mean over the hemisphere. n = z is not `hard`. The cosine is wi.z. The diffuse
+ *   part is that of `valid_estevez`. It is not reciprocal.
  *
  * f includes the diffuse part kd Phi/(pi cos). Its fibres run along the groove axis of the frame
  * that `rotate` makes of n, whatever the detail method is (for `none`, n = z). Phi of the fibre
@@ -401,12 +434,12 @@ SHADE_API unsigned shade_bsdf_evalf(const shade_bsdf *b, const float n[3], const
  * call without shade_bsdf_prepare before it reads what is not there.
  */
 typedef struct shade_bsdf_hit {
-  double inside[32];
+  double inside[72];
 } shade_bsdf_hit;
 
 /** In float: shade_bsdf_hit. */
 typedef struct shade_bsdf_hitf {
-  double inside[20];
+  double inside[40];
 } shade_bsdf_hitf;
 
 /**
@@ -529,6 +562,7 @@ typedef enum shade_part { SHADE_PART_SPECULAR = 1, SHADE_PART_DIFFUSE = 2 } shad
  *   filtered. It may have any length but 0, which counts as NaN, as do subnormal and infinite ones.
  *   Both arrays are given, or neither. Where a lane has its own groove or narrow axis, the same u
  *   may draw another wi than such a material would, of the same density.
+ * - Slopes: along the tangent and along y, not along the groove, [-1e3, 1e3] and [0, 1e6].
  * - Parts: SHADE_PART_SPECULAR or SHADE_PART_DIFFUSE makes f that part alone. Draws and density are
  *   then of the specular lobe alone, or of the diffuse part alone. 0 is both. Other bits are
  *   SHADE_BAD_CHOICE, and both.
@@ -547,6 +581,8 @@ typedef struct shade_lanes {
   const double *kdr, *kdg, *kdb;     /* diffuse reflectance */
   const double *groove_x, *groove_y; /* what takes the tangent's place, in the tangent plane */
   size_t parts;                      /* 0: both; else of shade_part */
+  const double *slope_x, *slope_y;   /* for SHADE_HORIZON_MUTUAL: slopes of shade_params */
+  const double *slope_xx, *slope_xy, *slope_yy;
 } shade_lanes;
 
 /** In float: shade_lanes. */
@@ -559,6 +595,7 @@ typedef struct shade_lanesf {
   const float *f82r, *f82g, *f82b, *etar, *etag, *etab, *kr, *kg, *kb, *kdr, *kdg, *kdb;
   const float *groove_x, *groove_y;
   size_t parts;
+  const float *slope_x, *slope_y, *slope_xx, *slope_xy, *slope_yy;
 } shade_lanesf;
 
 /**
@@ -682,6 +719,8 @@ SHADE_API float shade_bsdf_pdff(const shade_bsdf *b, const float n[3], const flo
  * - perturb, when it is not round: a mixture of three lobes about n. The widest of them keeps the
  *   weight finite.
  *
+ * `mutual` draws from its two facets by their shares, and from what comes back by its own.
+ *
  * Horizons that bend n draw about the bent one. schuessler draws by path. With the probability
  * p(wo)/(p(wo) + q(wo)) it draws as hard does for wo, else as hard does for wo'. Of the former,
  * those that face the mirror (nx wx + ny wy > 0) leave as w' with the probability c. Let s be the
@@ -727,6 +766,7 @@ typedef struct shade_sample_lanes {
   const double *f82r, *f82g, *f82b, *etar, *etag, *etab, *kr, *kg, *kb, *kdr, *kdg, *kdb;
   const double *groove_x, *groove_y;
   size_t parts;
+  const double *slope_x, *slope_y, *slope_xx, *slope_xy, *slope_yy;
 } shade_sample_lanes;
 
 /** In float: shade_sample_lanes. */
@@ -739,6 +779,7 @@ typedef struct shade_sample_lanesf {
   const float *f82r, *f82g, *f82b, *etar, *etag, *etab, *kr, *kg, *kb, *kdr, *kdg, *kdb;
   const float *groove_x, *groove_y;
   size_t parts;
+  const float *slope_x, *slope_y, *slope_xx, *slope_xy, *slope_yy;
 } shade_sample_lanesf;
 
 /** Outputs of a batch of draws, all required. They must not overlap the inputs. */

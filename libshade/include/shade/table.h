@@ -126,7 +126,9 @@
   ROW(SCHUESSLER, schuessler, 4, "Schuessler",                                                     \
       "Two facets, the bumped one and an upright mirror: no black pixels, softer bumps")           \
   ROW(VALID_ESTEVEZ, valid_estevez, 5, "Valid reflection, Estevez",                                \
-      "Both: bend the normal for the eye, fade the light: nearest to displaced bumps")
+      "Both: bend the normal for the eye, fade the light: nearest of those that need no slopes")   \
+  ROW(MUTUAL, mutual, 6, "Mutual",                                                                 \
+      "Bumps shade and light each other, by the slopes of their map; hard without slopes")
 
 /* Light that facets reflect more than once. */
 #define SHADE_TABLE_MULTISCATTER(ROW)                                                              \

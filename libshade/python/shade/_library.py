@@ -17,6 +17,8 @@ u shade_params_set_choice pii
 i shade_params_get_choice pi
 u shade_params_set pip
 u shade_params_get pip
+u shade_params_set_slopes pp
+u shade_params_get_slopes pp
 i shade_params_set_metal ps
 i shade_params_json pispn
 i shade_roughness_row ipppp
@@ -125,9 +127,20 @@ LIB = load(PATH)
 _room = (ctypes.c_double * 1024)()
 LIB.shade_params_init(_room)
 PARAMS_SIZE = structs.ParamsHead.from_buffer(_room).size
-_cloth = structs.FabricParams()
-LIB.shade_fabric_params_init(ctypes.byref(_cloth))
-DEFAULTS = _cloth.defaults  # the newest, of materials as of cloths
+
+
+def _defaults_at():
+    """Where the version of the defaults is: behind the horizon."""
+    info, horizon = structs.ListInfo(), 0
+    while LIB.shade_list_name(horizon) != b"horizon":
+        horizon += 1
+    LIB.shade_list_about(horizon, ctypes.byref(info))
+    step = ctypes.sizeof(ctypes.c_size_t)
+    return (info.offset + ctypes.sizeof(ctypes.c_int) + step - 1) // step * step
+
+
+DEFAULTS_AT = _defaults_at()
+DEFAULTS = ctypes.c_size_t.from_buffer(_room, DEFAULTS_AT).value
 Preset = structs.preset(PARAMS_SIZE)
 
 

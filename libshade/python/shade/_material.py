@@ -116,6 +116,7 @@ class Material(Fixed):
     :param preset: a metal of `shade.presets()`
     :param metal: a word of `shade.metals()`
     :param roughness: (convention, roughness, anisotropy), as another program states it: roughness in [0, 1], anisotropy in [-1, 1]
+    :param slopes: of the map, for horizon mutual: its mean slope x, y, and the second moment of slopes about it, xx, xy, yy
     :param defaults: the version of the defaults, 0 for those of libshade 0.2 (brdf ashikhmin_shirley, not auto); without it the newest
     :param fast: a word of older versions, read no more
     :param values: choices as words, numbers within their range, colours as one number or three
@@ -176,8 +177,13 @@ class Material(Fixed):
             row = parameters()[name]
             LIB.shade_params_set(self._params, list(parameters()).index(name),
                                  numbers(name, value, row.components, row.minimum, row.maximum))
+        elif name == "slopes":
+            given = np.asarray(value, float)
+            if given.shape != (5,) or LIB.shade_params_set_slopes(self._params, (ctypes.c_double * 5)(*given)):
+                raise ValueError(f"slopes: {value!r} given; expected x, y from -1e3 to 1e3, xx, xy, yy from 0 to 1e6, "
+                                 "and xy at most sqrt(xx yy) either way")
         else:
-            raise TypeError(f"{name!r}: no such parameter; there are preset, metal, roughness, defaults, fast, "
+            raise TypeError(f"{name!r}: no such parameter; there are preset, metal, roughness, defaults, slopes, fast, "
                             + ", ".join([*lists(), *parameters()]))
 
     def replace(self, *, metal: str | None = None, roughness: tuple[str, float, float] | None = None,
@@ -200,10 +206,14 @@ class Material(Fixed):
             got = (ctypes.c_double * 3)()
             LIB.shade_params_get(self._params, list(parameters()).index(name), got)
             return tuple(got) if parameters()[name].components == 3 else got[0]
+        if name == "slopes":
+            slopes = (ctypes.c_double * 5)()
+            LIB.shade_params_get_slopes(self._params, slopes)
+            return tuple(slopes)
         raise AttributeError(f"a material has no {name!r}")
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *lists(), *parameters()]
+        return [*super().__dir__(), *lists(), *parameters(), "slopes"]
 
     def json(self, number: int = 0, name: str | None = None) -> dict[str, Any]:
         """The material as the header of a dump has it: a dictionary.
@@ -225,6 +235,7 @@ class Material(Fixed):
         reads = {name: row for name, row in parameters().items()
                  if row.choices is None or getattr(self, str(row.list)) in row.choices}
         said += [f"{name}={getattr(self, name)!r}" for name, row in reads.items()]
+        said += [f"slopes={self.slopes!r}"] * any(self.slopes)
         return f"shade.Material({', '.join(said)})"
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -252,8 +263,10 @@ def _varied(call, parts, varied):
             call.add(name, value, name)
         elif name == "groove":
             call.add(name, value, "groove_x", "groove_y")
+        elif name == "slopes":
+            call.add(name, value, "slope_x", "slope_y", "slope_xx", "slope_xy", "slope_yy")
         else:
-            raise TypeError(f"{name!r}: no parameter of a sample; there are ax, ay, ex, ey, groove, "
+            raise TypeError(f"{name!r}: no parameter of a sample; there are ax, ay, ex, ey, groove, slopes, "
                             + ", ".join(COLOURS))
     return one_of("parts", parts, PARTS)
 
@@ -280,7 +293,8 @@ def eval(material: Material, n: ArrayLike | None, wi: ArrayLike, wo: ArrayLike, 
     :param wo: to the eye (…, 3), unit
     :param parts: both, specular or diffuse
     :param status: a Status that gathers what had to be mended
-    :param varied: parameters of each sample in place of the material's: ax, ay, ex, ey (…); f0, f82, eta, k, kd (…, 3); groove (…, 2)
+    :param varied: parameters of each sample in place of the material's: ax, ay, ex, ey (…); f0, f82, eta, k, kd (…, 3); groove (…, 2);
+        slopes (…, 5)
     :returns: (f, cosine): RGB in 1/sr (…, 3), and (…)
 
     >>> f, cosine = shade.eval(shade.Material(ex=200, ey=10), None, [.6, 0, .8], [-.6, 0, .8])

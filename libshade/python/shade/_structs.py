@@ -11,7 +11,8 @@ def lanes(name, *groups, last=()):
     return type(name, (ctypes.Structure,), {"_fields_": fields, "c_names": (name, f"{name}f")})
 
 
-_PARTS = [("parts", c_size_t)]
+_SLOPES = ("slope_x", "slope_y", "slope_xx", "slope_xy", "slope_yy")
+_PARTS = [("parts", c_size_t), *((word, c_void_p) for word in _SLOPES)]
 _VARIED = "f82r f82g f82b etar etag etab kr kg kb kdr kdg kdb groove_x groove_y"
 Lanes = lanes("shade_lanes", "nx ny nz wix wiy wiz wox woy woz f0r f0g f0b ax ay ex ey", _VARIED, last=_PARTS)
 Result = lanes("shade_result", "r g b cosine")
