@@ -56,7 +56,8 @@ enum shade_dump_optional {
   SHADE_DUMP_TIER = SHADE_DUMP_OPTIONAL + 18,     /* a shade_fabric_tier */
   SHADE_DUMP_LOBE2 = SHADE_DUMP_OPTIONAL + 19,    /* SHADE_DUMP_PER_LOBE planes: a second lobe */
   SHADE_DUMP_LOBE3 = SHADE_DUMP_OPTIONAL + 26,    /* and a third */
-  SHADE_DUMP_OPTIONAL_END = SHADE_DUMP_OPTIONAL + 33
+  SHADE_DUMP_SLOPES = SHADE_DUMP_OPTIONAL + 33,   /* 5 planes: slopes of the map, along T, N x T */
+  SHADE_DUMP_OPTIONAL_END = SHADE_DUMP_OPTIONAL + 38
 };
 
 /*

@@ -119,6 +119,7 @@ static void vary_materials(shade_params materials[MATERIALS]) {
     for (int c = 0; c < 3; c++)
       p->kd[c] = 0.2;
   }
+  materials[MATERIALS - 1].horizon = SHADE_HORIZON_MUTUAL;
 }
 
 static char *header_json(const shade_params materials[MATERIALS]) {
@@ -192,6 +193,10 @@ static void vary_pixel(shade_dump *d, size_t pixel, const shade_params *p) {
     shade_dump_plane(d, SHADE_DUMP_K + i)[pixel] = (float)(2 + 2 * uniform());
     shade_dump_plane(d, SHADE_DUMP_KD + i)[pixel] = (float)(0.4 * uniform());
   }
+  const double slopes[5] = {0.3 * uniform(), 0.3 * uniform(), 0.1 + 0.3 * uniform(),
+                            0.1 * uniform() - 0.05, 0.1 + 0.3 * uniform()};
+  for (int i = 0; i < 5; i++)
+    shade_dump_plane(d, SHADE_DUMP_SLOPES + i)[pixel] = (float)slopes[i];
 }
 
 /* Two more lobes, about normals of their own; at a third of the hits there is no third lobe. */
@@ -225,6 +230,8 @@ static shade_params params_of(const shade_dump *d, size_t pixel, const shade_par
     q.k[i] = (double)number(d, SHADE_DUMP_K + i, pixel);
     q.kd[i] = (double)number(d, SHADE_DUMP_KD + i, pixel);
   }
+  for (int i = 0; i < 5; i++)
+    q.slopes[i] = (double)number(d, SHADE_DUMP_SLOPES + i, pixel);
   return q;
 }
 
@@ -288,6 +295,16 @@ static void shade(const shade_dump *d, const shade_params *p, int material, int 
   }
 }
 
+/* Slopes as the frame has them whose x' is (c, s). */
+static void turn_slopes(double c, double s, double v[5]) {
+  const double x = v[0], y = v[1], xx = v[2], xy = v[3], yy = v[4];
+  v[0] = c * x + s * y;
+  v[1] = c * y - s * x;
+  v[2] = c * c * xx + 2 * c * s * xy + s * s * yy;
+  v[3] = c * s * (yy - xx) + (c * c - s * s) * xy;
+  v[4] = s * s * xx - 2 * c * s * xy + c * c * yy;
+}
+
 /* One lobe of a hit, for its share: q's, about the normal and in the frame that the planes say. */
 static void add_lobe(const shade_dump *d, size_t pixel, const shade_params *q, int normal,
                      int groove, float share, int light, const float *bitangent) {
@@ -307,7 +324,9 @@ static void add_lobe(const shade_dump *d, size_t pixel, const shade_params *q, i
     v[k][2] = along(axes[2], vectors[k], pixels, pixel);
   }
   shade_bsdf bsdf;
-  shade_bsdf_setup(&bsdf, q);
+  shade_params turned = *q;
+  turn_slopes((double)c, (double)s, turned.slopes);
+  shade_bsdf_setup(&bsdf, &turned);
   shade_bsdf_evalf(&bsdf, v[0], v[1], v[2], f, &cosine);
   const float *e = shade_dump_light_plane(d, light, SHADE_DUMP_E);
   float *out = shade_dump_light_plane(d, light, SHADE_DUMP_S);
@@ -522,6 +541,8 @@ int main(int argc, char **argv) {
     shade_dump_add(d, (enum shade_dump_optional)channel);
   for (int lobe = SHADE_DUMP_LOBE2; varied && lobe <= SHADE_DUMP_LOBE3; lobe += SHADE_DUMP_PER_LOBE)
     shade_dump_add(d, (enum shade_dump_optional)lobe);
+  if (varied)
+    shade_dump_add(d, SHADE_DUMP_SLOPES);
   if (argc == 6 && strcmp(argv[5], "cloth") == 0) {
     d->has_color = 0;
     if (!fill_with_cloth(d))

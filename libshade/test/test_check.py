@@ -141,7 +141,8 @@ def test_material_color_is_used_without_channels(makedump, tmp_path):
 
 VARIED = ["alpha.X", "alpha.Y", "groove.A", *(f"{group}.{c}" for group in ("f82", "eta", "k", "kd")
                                               for c in "RGB"),
-          *(f"lobe{k}.{c}" for k in (2, 3) for c in ("share", "alpha.X", "alpha.Y", "groove.A"))]
+          *(f"lobe{k}.{c}" for k in (2, 3) for c in ("share", "alpha.X", "alpha.Y", "groove.A")),
+         *(f"slopes.{c}" for c in ("X", "Y", "XX", "XY", "YY"))]
 
 
 @pytest.fixture(scope="module")
@@ -177,7 +178,7 @@ def test_each_varied_channel_matters(few_varied, tmp_path, channel):
     assert_differs(dump.write(tmp_path / "x.exr"))
 
 
-@pytest.mark.parametrize("channel", ["alpha.Y", "groove.A", "f82.R", "eta.G", "k.B", "kd.R", "lobe2.share", "lobe3.Ns.Z"])
+@pytest.mark.parametrize("channel", ["alpha.Y", "groove.A", "f82.R", "eta.G", "k.B", "kd.R", "lobe2.share", "lobe3.Ns.Z", "slopes.XY"])
 def test_varied_channels_are_there_and_finite(few_varied, tmp_path, channel):
     dump = Dump(few_varied)
     group = channel.split(".")[0] + "."

@@ -34,10 +34,10 @@ static int planes(const shade_dump *d) {
 }
 
 /* First planes of the optional channels, and the end. */
-static const int optional[] = {SHADE_DUMP_ALPHA, SHADE_DUMP_GROOVE,   SHADE_DUMP_F82,
-                               SHADE_DUMP_ETA,   SHADE_DUMP_K,        SHADE_DUMP_KD,
-                               SHADE_DUMP_FOOT,  SHADE_DUMP_COVERAGE, SHADE_DUMP_TIER,
-                               SHADE_DUMP_LOBE2, SHADE_DUMP_LOBE3,    SHADE_DUMP_OPTIONAL_END};
+static const int optional[] = {
+    SHADE_DUMP_ALPHA, SHADE_DUMP_GROOVE, SHADE_DUMP_F82,         SHADE_DUMP_ETA,  SHADE_DUMP_K,
+    SHADE_DUMP_KD,    SHADE_DUMP_FOOT,   SHADE_DUMP_COVERAGE,    SHADE_DUMP_TIER, SHADE_DUMP_LOBE2,
+    SHADE_DUMP_LOBE3, SHADE_DUMP_SLOPES, SHADE_DUMP_OPTIONAL_END};
 enum { OPTIONAL = sizeof optional / sizeof *optional - 1 };
 
 /* A value of its own for every plane and pixel, exact in float. */
@@ -107,7 +107,8 @@ static void test_channel_names(void **state) {
                {"kd.B", SHADE_DUMP_KD + 2},
                {"foot.V", SHADE_DUMP_FOOT + 1},
                {"coverage.A", SHADE_DUMP_COVERAGE},
-               {"tier", SHADE_DUMP_TIER}};
+               {"tier", SHADE_DUMP_TIER},
+               {"slopes.XY", SHADE_DUMP_SLOPES + 3}};
   for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
     assert_int_equal(shade_dump_channel_plane(known[i].name), known[i].plane);
   assert_int_equal(shade_dump_channel_plane("Ns.Z"), SHADE_DUMP_NS + 2);

@@ -68,6 +68,7 @@ static void shaded(const check_hit *h, int far_points, const double uv[2], const
     shade_params p = h->params;
     double f[3], in[3], out[3];
     check_set_alphas(&p, l->alpha);
+    shade_ref_turned_slopes(l->angle, p.slopes, p.slopes);
     shade_ref_turned(l->angle, wi, in);
     shade_ref_turned(l->angle, wo, out);
     shade_ref_f(&p, l->n, in, out, f, &cosine);

@@ -47,6 +47,8 @@ static int bad_value(const char *path, int index, const char *key) {
     snprintf(wanted, sizeof wanted, "a whole number from 0 to %d", 1 << 24);
   if (strcmp(key, "name") == 0)
     snprintf(wanted, sizeof wanted, "a string");
+  if (strcmp(key, "slopes") == 0)
+    snprintf(wanted, sizeof wanted, "[x, y, xx, xy, yy] as a map's slopes are");
   fprintf(stderr,
           "shade check: %s: material number %d of the header: bad value of '%s': expected %s\n",
           path, index, key, wanted);
@@ -145,10 +147,22 @@ static int read_cloth(check_material *m, const char *path, int index, const json
   return id || bad_material(path, index, "lacks", "id");
 }
 
+/* The slopes of a map, within their ranges. */
+static int read_slopes(shade_params *p, const json *value) {
+  double v[5];
+  const json *item = value->type == JSON_ARRAY ? value->child : NULL;
+  for (int i = 0; i < 5; i++, item = item->next) {
+    if (!item || item->type != JSON_NUMBER)
+      return 0;
+    v[i] = item->number;
+  }
+  return !item && shade_params_set_slopes(p, v) == SHADE_OK;
+}
+
 /* Every key that all dumps have must be there, none twice; one that is not known might matter. */
 static int read_material(check_material *m, const char *path, int index, const json *object) {
 #define ONE(...) +1
-  enum { ID = SHADE_LIST_COUNT SHADE_TABLE_PARAMS(ONE), NAME, KEYS };
+  enum { ID = SHADE_LIST_COUNT SHADE_TABLE_PARAMS(ONE), NAME, SLOPES, KEYS };
 #undef ONE
   char seen[KEYS] = {0};
   shade_params_init(&m->params);
@@ -167,6 +181,9 @@ static int read_material(check_material *m, const char *path, int index, const j
       key = NAME;
       good = member->type == JSON_STRING;
       m->name = member->string;
+    } else if (strcmp(member->key, "slopes") == 0) {
+      key = SLOPES;
+      good = read_slopes(&m->params, member);
     }
     if (key < 0)
       return bad_material(path, index, "unknown key", member->key);

@@ -78,6 +78,7 @@ static int read_varied(const check *c, size_t pixel, check_hit *h) {
       !replace(c, SHADE_DUMP_ETA, pixel, 3, p->eta) || !replace(c, SHADE_DUMP_K, pixel, 3, p->k) ||
       !replace(c, SHADE_DUMP_KD, pixel, 3, p->kd) ||
       !replace(c, SHADE_DUMP_ALPHA, pixel, 2, alpha) ||
+      !replace(c, SHADE_DUMP_SLOPES, pixel, 5, p->slopes) ||
       !replace(c, SHADE_DUMP_GROOVE, pixel, 1, &angle))
     return 0;
   if (shade_dump_has(c->dump, SHADE_DUMP_ALPHA))
@@ -91,6 +92,7 @@ static int read_varied(const check *c, size_t pixel, check_hit *h) {
     }
     shade_ref_turned(angle, h->n, h->n);
     shade_ref_turned(angle, h->wo, h->wo);
+    shade_ref_turned_slopes(angle, p->slopes, p->slopes);
   }
   return 1;
 }
