@@ -68,6 +68,7 @@ void metal(const mdf::Material &m, std::ostream &text) {
   text << "  lobe: " << choice(p, SHADE_LIST_MDF) << "; brdf "
        << shade_list_word(SHADE_LIST_BRDF, shade_params_brdf(&p)) << ", detail "
        << choice(p, SHADE_LIST_DETAIL) << ", horizon " << choice(p, SHADE_LIST_HORIZON)
+       << (p.multiscatter == SHADE_MULTISCATTER_ON ? ", multiscatter on" : "")
        << "\n  colour: fresnel " << choice(p, SHADE_LIST_FRESNEL);
   if (p.fresnel != SHADE_FRESNEL_CONDUCTOR)
     text << ", specular " << (m.specular_pigment ? "pigment" : colour(p.f0));

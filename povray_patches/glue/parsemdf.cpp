@@ -714,6 +714,12 @@ void Parser::Parse_Mdf(FINISH *finish) {
     Warn_Mdf("'specular' (" + material.name +
              ") has no part in a conductor, which has a colour of its own; 'specular' after that, "
              "in a scene with #declare mdf_Defaults = 1;, gives it another.");
+  const shade_params &p = material.params;
+  if (p.multiscatter == SHADE_MULTISCATTER_ON && !material.cloth &&
+      (shade_params_brdf(&p) != SHADE_BRDF_MICROFACET ||
+       (p.mdf != SHADE_MDF_GGX && p.mdf != SHADE_MDF_BECKMANN)))
+    Warn_Mdf("'multiscatter on' (" + material.name +
+             ") changes nothing: only ggx and beckmann with brdf microfacet have it.");
 
   char wrong[160];
   if (sceneData->mdfScene->empty() && shade_isa_check(wrong, sizeof wrong) != 0) // once

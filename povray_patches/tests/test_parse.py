@@ -93,8 +93,9 @@ def test_every_word(material):
 
 
 def test_other_models(material):
-    m = material("ggx .1, .4 brdf microfacet fresnel conductor <.2, .9, 1.1>, <3.9, 2.4, 2.3> diffuse fibre .2")
+    m = material("ggx .1, .4 brdf microfacet multiscatter on fresnel conductor <.2, .9, 1.1>, <3.9, 2.4, 2.3> diffuse fibre .2")
     assert (m["mdf"], m["ax"], m["ay"], m["brdf"], m["diffuse"]) == ("ggx", .1, .4, "microfacet", "fibre")
+    assert m["multiscatter"] == "on"
     assert m["eta"] == pytest.approx([.2, .9, 1.1], abs=1e-6) and m["k"] == pytest.approx([3.9, 2.4, 2.3], abs=1e-6)
     assert m["kd"] == pytest.approx([.2] * 3, abs=1e-6) and m["ex"] == pytest.approx(198)
     m = material("beckmann .2, .2 fresnel f82 rgb <.9, .8, .7> diffuse lambert rgb <.1, .2, .3> detail auto horizon schuessler")
@@ -327,6 +328,7 @@ def test_a_scenes_own_variables_may_be_named_like_words(render, material):
     ("roughness 3", None, "roughness (scene.pov:6) is 3: above 1 there is no highlight left."),
     ("tangent uv", "blob { threshold .5 sphere { -.4*x, 1, 1 texture { TEXTURE } } sphere { .4*x, 1, 1 texture { TEXTURE } } }",
      "'tangent uv' (scene.pov:6) on an object without UV coordinates: strokes run along its x axis."),
+    ("ggx .3, .6 multiscatter on", None, "'multiscatter on' (scene.pov:6) changes nothing: only ggx and beckmann with brdf microfacet have it."),
     ("roughness -2, .1", None, "roughness is -2; it is taken as 1e-06."),
     ("specular rgb <1.5, -1, .5>", None, "specular is <1.5, -1, 0.5>; it is taken as <1, 0, 0.5>."),
     ("bump_image { png \"flat.png\" strength -1 }", None, "bump_image strength is -1; it is taken as 0."),
@@ -475,7 +477,7 @@ def test_notes_tell_each_block_what_it_says(render):
     """Of cloths, strokes and rays: as the scene has them, or what a number was cut to."""
     blocks = ["fabric { weave \"plain\" crossings <30, 20> warp { diffuse rgb <.1, .2, .3> } weft { diffuse pigment } }",
               "fabric { ends_per_cm 7 picks_per_cm 3 mm_per_unit 50 warp { diffuse pigment } weft { diffuse rgb .4 } }",
-              "ggx .1, .3 tangent <0, 1, 0> specular pigment", "ward .2, .2 tangent radial <0, 0, 1> at <1, 2, 3>",
+              "ggx .1, .3 tangent <0, 1, 0> specular pigment multiscatter on", "ward .2, .2 tangent radial <0, 0, 1> at <1, 2, 3>",
               *(f"ggx .2, .2 reflection {{ samples {n} }}" for n in (1, 4090, 4096, 4097, .5))]
     text = "".join(f"sphere {{ {9 * k}*y, 1 texture {{ pigment {{ rgb .5 }} finish {{ ambient 0 diffuse 0 mdf {{ {block} notes on }} }} }} }}\n"
                    for k, block in enumerate(blocks, 1))
@@ -485,7 +487,7 @@ def test_notes_tell_each_block_what_it_says(render):
     for part, words in zip(told, (
             ("weave plain, 30 x 20 crossings on a unit", "warp: diffuse rgb <0.1, 0.2, 0.3>; weft: diffuse pigment"),
             ("35 x 15 crossings on a unit", "warp: diffuse pigment; weft: diffuse rgb 0.4"),
-            ("lobe: ggx 0.1, 0.3", "specular pigment", "strokes: along <0, 1, 0> of the texture's space"),
+            ("lobe: ggx 0.1, 0.3", "valid_estevez, multiscatter on", "specular pigment", "strokes: along <0, 1, 0> of the texture's space"),
             ("lobe: ward 0.2, 0.2", "strokes: round <0, 0, 1> at <1, 2, 3> of the texture's space"),
             *((f"reflection: {n} rays at a hit",) for n in (1, 4090, 4096, 4096, 1)))):
         assert all(word in part for word in words), (words, part)
