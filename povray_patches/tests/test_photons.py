@@ -20,9 +20,12 @@ WALL = "box { <1, -9, -9>, <1.1, 9, 9> pigment { rgb 1 } finish { ambient 0 diff
 
 @pytest.fixture
 def thrown(render):
-    """What photons add to the wall."""
-    def picture(plate, more="", size=(24, 24)):
-        with_photons, without = (render(scene(WALL + PLATE.format(plate) + more, LIGHT, HEADER.replace("PHOTONS", settings)), size, dump=False).image
+    """What photons add to the wall. layer: of the plate's texture, above its own."""
+    def picture(plate, more="", size=(24, 24), layer=""):
+        made = PLATE.format(plate)
+        start, end = made.index("pigment"), made.index(" photons")
+        made = f"{made[:start]}texture {{ {made[start:end]} }} {layer}{made[end:]}"
+        with_photons, without = (render(scene(WALL + made + more, LIGHT, HEADER.replace("PHOTONS", settings)), size, dump=False).image
                                  for settings in (PHOTONS, "global_settings { assumed_gamma 1 }\n"))
         return with_photons - without
     return picture
@@ -34,6 +37,14 @@ def test_a_polished_block_throws_what_a_mirror_does(thrown):
     assert mirror[0] > .05
     assert block == pytest.approx(mirror, rel=.03)
     assert (thrown("mdf { ggx .01, .01 }") == 0).all()
+
+
+def test_layers_above_tint_what_a_block_throws(thrown):
+    """As they tint highlights: by what they let through."""
+    block = "mdf { ggx .05, .05 specular .8 reflection { } }"
+    clear, tinted = (thrown(block, layer=f"texture {{ pigment {{ rgbf <1, {green}, {blue}, 1> }} finish {{ ambient 0 diffuse 0 }} }}").mean((0, 1))
+                     for green, blue in ((1, 1), (.5, .2)))
+    assert clear.min() > .02 and tinted / clear == pytest.approx((1, .5, .2), rel=.03)
 
 
 @pytest.mark.parametrize("words, share", [("", .8), ("conserve_energy", .8 * .26)])
