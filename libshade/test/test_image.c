@@ -212,6 +212,26 @@ static void a_picture_given_up_leaves_the_old_file(void **state) {
   unlink(path);
 }
 
+/* Colours are stored as sRGB has them, how much is covered as it is. */
+static void png_of_light_has_codes_and_alpha(void **state) {
+  (void)state;
+  const float pixels[8] = {0.5F, 0.002F, 1, 0.5F, 0, 0.215F, 0.0331F, 0.2F};
+  const unsigned char want[8] = {188, 7, 255, 128, 0, 128, 51, 51};
+  const shade_image_spec spec = {
+      .width = 2, .height = 1, .channels = 4, .type = SHADE_IMAGE_U8, .srgb = 1};
+  char error[256];
+  const char *path = in_folder("light.png");
+  assert_int_equal(shade_image_write(path, &spec, pixels, error, sizeof error), 0);
+  png_image image = {.version = PNG_IMAGE_VERSION};
+  unsigned char got[8];
+  assert_true(png_image_begin_read_from_file(&image, path));
+  image.format = PNG_FORMAT_RGBA;
+  assert_true(png_image_finish_read(&image, NULL, got, 0, NULL));
+  for (int i = 0; i < 8; i++)
+    assert_int_equal(got[i], want[i]);
+  unlink(path);
+}
+
 /* What stands where it would put its unfinished file is someone else's. */
 static void a_picture_takes_a_free_name_meanwhile(void **state) {
   (void)state;
@@ -239,6 +259,7 @@ int main(void) {
                                      cmocka_unit_test(exr_holds_what_was_written),
                                      cmocka_unit_test(bad_requests_are_refused),
                                      cmocka_unit_test(a_picture_given_up_leaves_the_old_file),
-                                     cmocka_unit_test(a_picture_takes_a_free_name_meanwhile)};
+                                     cmocka_unit_test(a_picture_takes_a_free_name_meanwhile),
+                                     cmocka_unit_test(png_of_light_has_codes_and_alpha)};
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }
