@@ -499,6 +499,9 @@ def test_turning_leaves_circles(render, shape, place):
         where = there & (radius > near) & (radius < far)
         assert where.sum() > 5000 and (outward[where] ** 2).mean() > 100 * (round_it[where] ** 2).mean() > 0
         assert share(where, slope) == pytest.approx(share(flat, plain), rel=.15)
+    # outward, one scratch comes after another, as across those of the plane
+    steps = lambda slope, where: (np.abs(np.diff(slope[:, 150][where[:, 150]])) > .01).mean()
+    assert steps(outward, there) == pytest.approx(steps(plain[..., 1], flat), rel=.4)
 
 
 def test_ends_of_a_range_may_change_places(render):
