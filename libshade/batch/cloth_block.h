@@ -244,23 +244,18 @@ static void cloth_gathered(const shade_fabric *f, const cloth *c, int kind, int 
   }
 }
 
-/* What has no loops: the single lobe, and light from behind. */
-static void cloth_rare(const shade_fabric *f, const cloth *c, const lit_lanes *lit,
-                       const real *const w[3], const real *const o[3], const real *white,
-                       const block_shares *share, real *const *rgb, real *pdf) {
+/* Light from behind, which has no loops. */
+static void cloth_behind(const shade_fabric *f, const cloth *c, const lit_lanes *lit,
+                         const real *const w[3], const real *const o[3], const real *white,
+                         real *const rgb[3]) {
   for (size_t i = 0; i < c->count; i++) {
-    const int single = lit->key[i] == CLOTH_SINGLE, behind = f->transmits && lit->side[i] < 0;
-    if (!single && !behind)
+    if (!(lit->side[i] < 0))
       continue;
     const triple wi = {w[0][i], w[1][i], w[2][i]}, wo = {o[0][i], o[1][i], o[2][i]};
     real sum[3] = {0, 0, 0};
-    if (rgb)
-      cloth_add_one(f, c, i, single, 1, white[i], wi, wo, sum);
-    for (int channel = 0; rgb && channel < 3; channel++)
+    cloth_add_one(f, c, i, 0, 1, white[i], wi, wo, sum);
+    for (int channel = 0; channel < 3; channel++)
       rgb[channel][i] += sum[channel];
-    const real lobes[2] = {pdf ? share->lobe[0][i] : 0, pdf ? share->lobe[1][i] : 0};
-    if (pdf && single)
-      pdf[i] += lobes_density(f, c, i, lobes, wi, wo);
   }
 }
 
@@ -333,11 +328,12 @@ static void cloth_hard(const shade_fabric *f, const cloth *c, const real *const 
     if (near && !usual)
       cloth_gathered(f, c, k ? CLOTH_WARP : CLOTH_WEFT, k, lit.key, wi, wo, white, &share, rgb,
                      pdf);
-    if (lit.present & 1u << CLOTH_FAR)
-      cloth_gathered(f, c, CLOTH_FAR, k, lit.key, wi, wo, white, &share, rgb, pdf);
+    for (int kind = CLOTH_FAR; kind <= CLOTH_SINGLE; kind++)
+      if (lit.present & 1u << kind)
+        cloth_gathered(f, c, kind, k, lit.key, wi, wo, white, &share, rgb, pdf);
   }
-  if (f->transmits || lit.present & 1u << CLOTH_SINGLE)
-    cloth_rare(f, c, &lit, wi, wo, white, &share, rgb, pdf);
+  if (rgb && f->transmits)
+    cloth_behind(f, c, &lit, wi, wo, white, rgb);
   if (rgb && f->shadows)
     cloth_shadow(f, c, wi, rgb);
   for (size_t i = 0; i < c->count; i++)

@@ -201,12 +201,30 @@ static void cloth_mixture(const fabric_side *s, fabric_lobe which, const fabric_
   }
 }
 
+/* Of the single lobe, which fades where its side turns away. */
+static void cloth_single(const fabric_side *s, gathered *g, real *restrict spec,
+                         real *restrict matt) {
+  const faced face = faced_of(s);
+  const real *ix = g->wi[0], *iy = g->wi[1], *iz = g->wi[2];
+  const real *ox = g->wo[0], *oy = g->wo[1], *oz = g->wo[2];
+  cloth_set_normal(g, node_normal(&s->one, 0));
+  cloth_ask(s, FABRIC_SINGLE, g, spec, matt);
+#pragma omp simd
+  for (size_t j = 0; j < g->count; j++) {
+    const real seen = facing(face, ix[j], iy[j], iz[j]) * facing(face, ox[j], oy[j], oz[j]);
+    spec[j] *= seen;
+    matt[j] *= seen;
+  }
+}
+
 /* spec and matt of entry_yarn of gathered lanes. */
 static void cloth_yarns(const fabric_side *s, int kind, gathered *g, real *spec, real *matt) {
   const real *const wi[3] = {g->wi[0], g->wi[1], g->wi[2]};
   const real *const wo[3] = {g->wo[0], g->wo[1], g->wo[2]};
   if (cloth_is_near(kind)) {
     cloth_ask(s, FABRIC_NEAR, g, spec, matt);
+  } else if (kind == CLOTH_SINGLE) {
+    cloth_single(s, g, spec, matt);
   } else if (!s->table) {
     cloth_mixture(s, FABRIC_FAR, &s->nodes, g, spec, matt);
   } else {

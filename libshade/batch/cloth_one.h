@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * One prepared lane of cloth: what single calls are made of. Loops over lanes come here with what
- * no rendered frame has much of: a single lobe, light from behind, mirrors of facets.
+ * no rendered frame has much of: light from behind, mirrors of facets.
  */
 #ifndef SHADE_BATCH_CLOTH_ONE_H
 #define SHADE_BATCH_CLOTH_ONE_H
