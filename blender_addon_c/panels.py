@@ -79,6 +79,7 @@ class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):
         for name in ("diffuse", "glossy", "transmission", "transparent_max"):
             column.prop(context.scene.libshade, f"{name}_bounces")
         layout.prop(context.scene.libshade, "groove_transport")
+        layout.prop(context.scene.libshade, "bumps_mutual")
         layout.prop(context.scene.libshade, "sample_clamp_direct")
         layout.prop(context.scene.libshade, "sample_clamp_indirect")
         layout.prop(context.scene.libshade, "blur_glossy")

@@ -125,6 +125,12 @@ class LibshadeSettings(bpy.types.PropertyGroup):
                     "Metal does; off: as in Cycles, where only the normal is bent",
         default=True,
     )
+    bumps_mutual: BoolProperty(
+        name="Bumps Shade Each Other",
+        description="Bumps of Cycles' shining shaders shade and light each other, as those of the displaced surface do: "
+                    "steep bumps get no darker, and not black; off: as in Cycles, where each is alone",
+        default=False,
+    )
     pixel_filter_type: EnumProperty(
         name="Pixel Filter",
         description="How samples around a pixel's middle count",

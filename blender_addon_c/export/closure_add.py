@@ -34,7 +34,9 @@ def add(reader, closure, weight, normal=None, color=None):
     stock = closure.pop("stock", False)
     if stock:
         closure |= {} if reader.transport and _is_drawn_out(closure) else {"detail": "gram_schmidt"}
-        if reader.bumped and reader.dumps:
+        if reader.mutual and closure["f0"] != BLACK:
+            closure["horizon"] = "mutual"
+        elif reader.bumped and reader.dumps:
             closure["horizon"] = "hard" if closure["f0"] == BLACK else "valid_reflection"
     if normal and normal[0] in reader.coarse:
         _warn_of_steps(reader, closure, *reader.coarse[normal[0]])
@@ -105,9 +107,10 @@ def _valid(reader, closure, normal, stock):
     image is not below the surface, but from some version on not of what is matt. Libshade Metal keeps its own."""
     kind, below = closure["closure"], reader.below.get(normal[0], normal)
     if kind == "METAL":
-        if stock:
-            closure["horizon"] = "hard"
-        return turned(reader, normal) if stock else normal
+        if not stock or closure.get("horizon") == "mutual":
+            return normal
+        closure["horizon"] = "hard"
+        return turned(reader, normal)
     if kind == "DIFFUSE":
         if normal is reader.bumped and versions.BUMPS_FADE:  # not by what its displacement turns it
             return reader.program.emit("BEND", normal=below)

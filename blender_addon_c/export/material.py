@@ -46,6 +46,7 @@ class Table:
         self.cloths, self.scratches = [], []
         self.unknown = Unknown()
         self.transport = settings.groove_transport  # do grooves go with bumps?
+        self.mutual = settings.bumps_mutual  # do bumps shade and light each other?
         self.averages = settings.texture_blur > 0  # are images averaged?
         # do bumps of normal maps become roughness? A dump holds points, as they are shaded then
         self.dumps = bool(os.environ.get("LIBSHADE_DUMP"))
@@ -151,7 +152,7 @@ class Reader:
 
     def __init__(self, table, messages, material, held=False, of_points=False, of_strands=False):
         self._held, self.of_points, self.of_strands = held, of_points, of_strands
-        self.transport, self.colors, self.averages = table.transport, table.colors, table.averages
+        self.transport, self.mutual, self.colors, self.averages = table.transport, table.mutual, table.colors, table.averages
         self.filters, self.images, self._table = table.filters, table.images, table
         self.dumps = table.dumps
         self._messages, self._material = messages, material

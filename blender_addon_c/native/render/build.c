@@ -7,6 +7,7 @@
 
 #include "light/pattern.h"
 #include "light/light.h"
+#include "render/relief.h"
 #include "closure/closure.h"
 #include "node/node.h"
 #include "stage/stage.h"
@@ -221,6 +222,8 @@ bool scene_build(scene *s, const atomic_bool *cancel, message_log *log, scene_ti
     return false;
   times->image = parallel_clock() - start;
   s->built = world_build(s, cancel, log, times);
+  if (s->built && !relief_find(s, cancel))
+    return message_error(log, "out of memory");
   message_keep(log, before, &s->said);
   return s->built;
 }

@@ -119,7 +119,7 @@ def test_settings_of_cycles():
     """All of ours but four are Cycles'; a file's are taken over, and given back by undo."""
     scene = common.empty_scene(8, 8)
     ours, module_ = scene.libshade, module("cycles_settings")
-    own = {"texture_blur", "filter_normals", "groove_transport", "soft_terminator"}
+    own = {"texture_blur", "filter_normals", "groove_transport", "bumps_mutual", "soft_terminator"}
     assert set(ours.__annotations__) - set(module_.shared(ours, scene.cycles)) == own
     layer = scene.view_layers[0]
     assert set(module_.shared(layer.libshade, layer.cycles)) == set(layer.libshade.__annotations__)
@@ -362,7 +362,7 @@ SETTINGS = {
     "diffuse_bounces": (4, 0, 1024), "glossy_bounces": (4, 0, 1024), "transmission_bounces": (12, 0, 1024),
     "transparent_max_bounces": (8, 0, 1024), "sample_clamp_direct": (0, 0, 1e8), "sample_clamp_indirect": (10, 0, 1e8),
     "light_sampling_threshold": (0.01, 0, 1), "caustics_reflective": True, "caustics_refractive": True, "blur_glossy": (1, 0, 10),
-    "texture_blur": (0.25, 0, 10), "filter_normals": True, "groove_transport": True, "pixel_filter_type": "BLACKMAN_HARRIS",
+    "texture_blur": (0.25, 0, 10), "filter_normals": True, "groove_transport": True, "bumps_mutual": False, "pixel_filter_type": "BLACKMAN_HARRIS",
     "filter_width": (1.5, 0.01, 10), "soft_terminator": True, "use_adaptive_sampling": False, "adaptive_threshold": (0.01, 0, 1),
     "adaptive_min_samples": (0, 0, 4096), "use_denoising": False, "use_preview_denoising": True, "use_animated_seed": False,
     "time_limit": (0, 0, 1e6)}

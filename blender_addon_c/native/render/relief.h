@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How steep the bumps of materials are whose horizon is `mutual`: their nodes are asked once, all
+ * over their surfaces. */
+#ifndef LIBSHADE_RELIEF_H
+#define LIBSHADE_RELIEF_H
+
+#include <stdatomic.h>
+
+#include "scene/scene.h"
+
+/*
+ * Sets the mean slope and the second moment about it of every closure that wants them, of a scene
+ * whose world is built. False when out of memory.
+ */
+bool relief_find(scene *s, const atomic_bool *cancel);
+
+#endif
