@@ -27,8 +27,8 @@ def glass(alpha, ior=1.5, **changes):
             "refracts": True, "joint": True} | changes
 
 
-def glossy(alpha):
-    made = material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=WHITE, ax=alpha, ay=alpha)
+def glossy(alpha, across=None):
+    made = material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=WHITE, ax=alpha, ay=across or alpha)
     return {key: value for key, value in made.items() if key not in ("name", "nodes")}
 
 
@@ -64,6 +64,7 @@ KEEP_ALL = {
     "lambert": of(diffuse()), "eon": of(diffuse("EON", 0.7)), "translucent": of(TRANSLUCENT),
     "transparent": of(TRANSPARENT), "glass": of(glass(1e-4)), "refraction": of(
         glass(1e-4, reflects=False)), "mirror": of(glossy(1e-3)),
+    "rough": of(glossy(0.2, 0.9) | {"multiscatter": "ON"}),
     "pane": of(glass(1e-4, refracts=False, straight=True)),
     "fibres": of({"closure": "SHEEN", "model": "FIBRES", "a": [0.4], "b": [-0.1]}),
     "toon": of(toon(0.5, 0.0)), "half there": of(weighed(diffuse(), 0.5), weighed(TRANSPARENT, 0.5)),

@@ -91,7 +91,37 @@ def test_horizon_is_shaded_and_told(horizon, tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
     hard, _ = dump(scene(materials=[materials["hard"]], **changes), path)
     same = vectors(planes, "light0.S", "RGB") == vectors(hard, "light0.S", "RGB")
-    assert same.all() == (horizon in ("hard", "mutual"))  # which is hard without slopes
+    assert same.all() == (horizon in ("hard", "mutual"))  # which is hard where all of the map leans as one
+
+
+def waves(slope, size=64):
+    """The normal map of slope sin x sin y, which leans as a whole by .1 along y."""
+    x, y = (2 * np.pi * (each + 0.5) / size for each in np.meshgrid(np.arange(size), np.arange(size)))
+    n = unit(np.stack([-slope * np.cos(x) * np.sin(y), -slope * np.sin(x) * np.cos(y) - 0.1, np.ones_like(x)], -1))
+    return image((0.5 + 0.5 * n).astype(np.float32))
+
+
+def test_slopes_of_bumps_that_shade_each_other_are_found(tmp_path):
+    """Of a sine plate the variance along either axis is a quarter of the square of its steepest slope."""
+    path = tmp_path / "d.exr"
+    _, header = dump(scene(images=[waves(1.2)], materials=[material(normal_image=0, horizon="mutual")]), path)
+    np.testing.assert_allclose(json.loads(header)["materials"][0]["slopes"], [0, 0.1, 0.36, 0, 0.36], atol=0.02)
+    done = subprocess.run([ROOT / "build/shade", "check", path], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    told = [0.1, 0.0, 0.5, 0.1, 0.25]
+    _, header = dump(scene(images=[waves(1.2)], materials=[{**material(normal_image=0, horizon="mutual"), "slopes": told}]), path)
+    assert json.loads(header)["materials"][0]["slopes"] == pytest.approx(told)
+
+
+def test_bumps_that_shade_each_other_lose_no_light():
+    """A white metal of smooth facets under an even sky, seen from above and from the side; alone, each bump loses much."""
+    smooth = {"mdf": "GGX", "brdf": "MICROFACET", "fresnel": "NONE", "f0": (1, 1, 1), "ax": 0.05, "ay": 0.05}
+    for eye in ((0, 0, 3), (0, -2.5, 1.5)):
+        around = {"images": [waves(1.4)], "lights": [], "background": (1, 1, 1), "transparent": False, "samples": 256,
+                  "camera": persp(0.45, eye, (0, 0, 0)), "meshes": [square(3)]}
+        mean = {horizon: render(scene(materials=[material(normal_image=0, **smooth, horizon=horizon)], **around))[0][..., :3].mean()
+                for horizon in ("mutual", "hard")}
+        assert mean["mutual"] == pytest.approx(1, abs=0.03) and mean["hard"] < 0.85, mean
 
 
 def test_horizon_that_is_not_told_is_hard(tmp_path):

@@ -202,6 +202,8 @@ static void look(const field *f, const order *o, int eye, sums mean[HALVES][WAYS
   for (int h = 0; h < SHADE_HORIZON_COUNT; h++)
     for (int c = 0; c < COLORS; c++) {
       p.horizon = (shade_horizon)h;
+      if (h == SHADE_HORIZON_MUTUAL)
+        shade_params_set_slopes(&p, (const double[5]){0, 0, f->xx, f->xy, f->yy});
       set_color(&p, color[c]);
       shade_bsdf_setup(&ways[h][c], &p);
     }

@@ -4,7 +4,7 @@ import pytest
 
 import bumps
 
-COST = 1.5
+COST = 1
 
 
 def traced(tmp_path, *order):

@@ -720,6 +720,9 @@ void Parser::Parse_Mdf(FINISH *finish) {
        (p.mdf != SHADE_MDF_GGX && p.mdf != SHADE_MDF_BECKMANN)))
     Warn_Mdf("'multiscatter on' (" + material.name +
              ") changes nothing: only ggx and beckmann with brdf microfacet have it.");
+  if (p.horizon == SHADE_HORIZON_MUTUAL && !material.cloth)
+    Warn_Mdf("'horizon mutual' (" + material.name +
+             ") is 'horizon hard' here: nothing says how steep the bumps are.");
 
   char wrong[160];
   if (sceneData->mdfScene->empty() && shade_isa_check(wrong, sizeof wrong) != 0) // once

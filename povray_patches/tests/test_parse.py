@@ -329,6 +329,7 @@ def test_a_scenes_own_variables_may_be_named_like_words(render, material):
     ("tangent uv", "blob { threshold .5 sphere { -.4*x, 1, 1 texture { TEXTURE } } sphere { .4*x, 1, 1 texture { TEXTURE } } }",
      "'tangent uv' (scene.pov:6) on an object without UV coordinates: strokes run along its x axis."),
     ("ggx .3, .6 multiscatter on", None, "'multiscatter on' (scene.pov:6) changes nothing: only ggx and beckmann with brdf microfacet have it."),
+    ("ggx .3, .6 horizon mutual", None, "'horizon mutual' (scene.pov:6) is 'horizon hard' here: nothing says how steep the bumps are."),
     ("roughness -2, .1", None, "roughness is -2; it is taken as 1e-06."),
     ("specular rgb <1.5, -1, .5>", None, "specular is <1.5, -1, 0.5>; it is taken as <1, 0, 0.5>."),
     ("bump_image { png \"flat.png\" strength -1 }", None, "bump_image strength is -1; it is taken as 0."),

@@ -4,9 +4,11 @@
  * are no registers leave the parameter as it is; `ax_from` and `ay_from`, one each; `groove_from`,
  * two, the tangent about the normal; `normal`, three registers; `spread_from`, two, how far bumps
  * that are not seen one by one widen a lobe of Gaussian slopes along the frame's x and y, as nodes
- * write it. `apart`: Smith's shadowing of each direction by itself, as Cycles' GGX and
- * Beckmann had it until 3.6, not of both together. `film_thickness` and, with it, what else
- * node/interference.h reads: what it reflects is by that, too; of the metal f0 counts, no Fresnel.
+ * write it; `slopes`, of horizon `mutual`, five numbers: the mean slope along x and y of all bumps
+ * and their second moment, xx, xy, yy, about it; else they are found (render/relief.h). `apart`:
+ * Smith's shadowing of each direction by itself, as Cycles' GGX and Beckmann had it until 3.6, not
+ * of both together. `film_thickness` and, with it, what else node/interference.h reads: what it
+ * reflects is by that, too; of the metal f0 counts, no Fresnel.
  */
 #ifndef LIBSHADE_CLOSURE_METAL_H
 #define LIBSHADE_CLOSURE_METAL_H
@@ -33,6 +35,7 @@ typedef struct closure_metal {
   bool grooved, apart, spreads, facets; /* facets: the BRDF is microfacet */
   const float *albedo;                  /* of a lobe that loses light as it spreads, or NULL */
   thin_film film;
+  bool told; /* the scene says the slopes of its bumps */
   bool matt; /* an even matt body and no more, without bumps: most floors and walls */
   int normal[3];
 } closure_metal;
@@ -133,6 +136,13 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g) {
     return false;
   if (!closure_metal_choices(r, &c->params) || !closure_metal_numbers(r, &c->params, &g->status))
     return false;
+  double slopes[5];
+  c->told = reader_has(r, "slopes");
+  if (c->told) {
+    if (!reader_numbers(r, "slopes", 5, slopes))
+      return false;
+    g->status |= shade_params_set_slopes(&c->params, slopes);
+  }
   c->facets = shade_params_brdf(&c->params) == SHADE_BRDF_MICROFACET;
   c->apart = c->apart && !g->dump && c->facets &&
              (c->params.mdf == SHADE_MDF_GGX || c->params.mdf == SHADE_MDF_BECKMANN);

@@ -11,7 +11,8 @@
 enum { POINTS = 4 * BATCH }; /* a material: the root of a variance is then within 2 % */
 
 static bool is_mutual(const closure *c) {
-  return c->type == CLOSURE_METAL && c->of.metal.params.horizon == SHADE_HORIZON_MUTUAL;
+  return c->type == CLOSURE_METAL && c->of.metal.params.horizon == SHADE_HORIZON_MUTUAL &&
+         !c->of.metal.told;
 }
 
 typedef struct point {
@@ -55,7 +56,7 @@ static double walk(const scene *s, int32_t material, double area, point *points)
       const double own = length(point_of(in, m, t, 0, 0).n);
       sum += own < 1e30 ? own : 0;
       for (; points && made < POINTS && ((double)made + 0.5) * area < sum * POINTS; made++) {
-        /* [Roberts2018], folded into the triangle */
+        /* multiples of the plastic number's powers lie evenly in a square, which is folded */
         double u = (double)(made + 1) * 0.7548776662466927,
                v = (double)(made + 1) * 0.5698402909980532;
         u -= floor(u);
@@ -69,7 +70,7 @@ static double walk(const scene *s, int32_t material, double area, point *points)
 
 /* A short ray to each point, straight down on it: what it meets is that point, and all that is
  * known of it. */
-static size_t aim(const point *points, size_t count, rays *ray) {
+static size_t aim_down(const point *points, size_t count, rays *ray) {
   size_t made = 0;
   for (size_t k = 0; k < count; k++) {
     const point *p = &points[k];
@@ -113,12 +114,9 @@ static void set_slopes(closure_metal *c, const moments *m) {
   if (!(m->count > 0))
     return;
   const double x = m->x / m->count, y = m->y / m->count;
-  double *to = c->params.slopes;
-  to[0] = x;
-  to[1] = y;
-  to[2] = fmax(m->xx / m->count - x * x, 0);
-  to[3] = m->xy / m->count - x * y;
-  to[4] = fmax(m->yy / m->count - y * y, 0);
+  shade_params_set_slopes(&c->params, (const double[5]){x, y, fmax(m->xx / m->count - x * x, 0),
+                                                        m->xy / m->count - x * y,
+                                                        fmax(m->yy / m->count - y * y, 0)});
   shade_bsdf_setup(&c->bsdf, &c->params);
 }
 
@@ -126,7 +124,7 @@ static void look(worker *w, material *m, const point *points) {
   batch *b = w->batch;
   moments *found = calloc(m->closures, sizeof *found);
   for (size_t first = 0; found && first < POINTS; first += BATCH) {
-    const size_t count = aim(points + first, BATCH, &b->sample_ray);
+    const size_t count = aim_down(points + first, BATCH, &b->sample_ray);
     hits_trace(w, RAY_CAMERA, count);
     if (!b->queue.hits)
       continue;
