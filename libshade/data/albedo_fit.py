@@ -123,7 +123,7 @@ def fit(kind, random):
 
 
 def main():
-    print("/* SPDX-License-Identifier: Apache-2.0 */\n"
+    print("/* SPDX-" "License-Identifier: Apache-2.0 */\n"
           "/* Made by albedo_fit.py, which says of what. Do not edit. */\n"
           "#ifndef SHADE_MODEL_ALBEDO_FIT_H\n#define SHADE_MODEL_ALBEDO_FIT_H\n\n"
           "/*\n * The sum of d^k q^l (c + sum of c t^i s^j), by rows GROUP(k, l, c, TERM(i, j, c) ...).\n"
