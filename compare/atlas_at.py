@@ -9,10 +9,9 @@ import atlas_forms as forms
 import atlas_measures as measures
 import programs
 import shade
-from atlas_forms import FORMS, dot
+from atlas_forms import FORMS, HORIZONS, dot
 from atlas_measures import direction
 
-HORIZONS = tuple(shade.choices("horizon"))
 WORDS = (*FORMS, *(w for w in measures.FLOATS if w not in FORMS), *HORIZONS, "fibre_printed")
 ANGLES = ("tilt", "azimuth", "theta", "phi", "size", "n_theta", "n_phi", "h_theta", "h_phi", "eye", "eye_azimuth",
           "light", "light_azimuth")

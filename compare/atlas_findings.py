@@ -2,9 +2,8 @@
 """What the stability atlas says in words, each sentence with the test that its rows make it true."""
 import atlas_measures as measures
 import atlas_regions
-import shade
 import style
-from atlas_forms import FORMS
+from atlas_forms import FORMS, HORIZONS
 from study import Finding
 
 SHADED = [w for w, f in FORMS.items() if f.mdf == "ashikhmin_shirley"]
@@ -176,7 +175,7 @@ def widths(rows):
 
 def horizon_steps(rows):
     stays = {h: [most(of(rows, w, "rotate", horizon=h), "jump") > 1e-3 for w in ("light", "eye")]
-             for h in shade.choices("horizon")}
+             for h in HORIZONS}
     smooth = [h for h, both in stays.items() if not any(both)]
     return Finding(
         f"At every tilt and angle of light and eye f cos of `rotate` has no jump with {' and '.join(f'`{h}`' for h in smooth)}"
@@ -185,7 +184,7 @@ def horizon_steps(rows):
 
 
 def exchange(rows):
-    swapped = {h: most(of(rows, "pairs", "rotate", horizon=h), "asymmetry") for h in shade.choices("horizon")}
+    swapped = {h: most(of(rows, "pairs", "rotate", horizon=h), "asymmetry") for h in HORIZONS}
     tilted = [r for which in ("eye", "light", "narrow") for r in of(rows, which) if not printed(r["form"])]
     plain = max(most([r for r in tilted if r["horizon"] == "hard"], "asymmetry"),
                 most(of(rows, "pairs", horizon="hard"), "asymmetry"))

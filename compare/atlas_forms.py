@@ -209,6 +209,9 @@ class Form:
 
 
 ROTATION, WARP, USUAL, SLOPES = "rotation", "warp", "usual", "slopes"
+# of the library those that need no slopes of a map, without which `mutual` is `hard`
+HORIZONS = tuple(word for word in shade.choices("horizon") if word != "mutual")
+
 FORMS = {form.word: form for form in (
     Form("rotate_row_two", "rotate, row 2 as printed", ROTATION, "rotate", printed=row_two,
          source="Kang and Cho, Eq. 9 and 11"),

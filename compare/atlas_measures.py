@@ -363,7 +363,7 @@ def horizons(distances=(1e-2, 1e-4, 1e-6)):
     n, rows = direction(30, 45), []
     places = {"wi.z = 0": lambda d: (direction(90 - np.degrees(d), 45), direction(30, 225)),
               "n·wo = 0": lambda d: (direction(60, 45), direction(60 - np.degrees(d), 225))}
-    for horizon in shade.choices("horizon"):
+    for horizon in forms.HORIZONS:
         material = shade.Material(ex=10, ey=5, fresnel="none", horizon=horizon)
         for place, at in places.items():
             for distance in distances:

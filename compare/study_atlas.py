@@ -24,9 +24,8 @@ import atlas_facing
 import atlas_measures as measures
 import atlas_regions
 import report
-import shade
 from atlas_findings import EDGES, JUMPS, PLAIN, SHADED, findings, most, of, printed  # noqa: F401  a study's
-from atlas_forms import FORMS, ROTATION, SLOPES, USUAL, WARP
+from atlas_forms import FORMS, HORIZONS, ROTATION, SLOPES, USUAL, WARP
 from study import Figure, Table, Task
 
 NAME, TITLE = "atlas", "Stability: where methods fail"
@@ -86,11 +85,11 @@ def grazing(tilts, draws, turns, _folder, say):
 
 def pairs(angles, _folder, say):
     say("exchange of light and eye")
-    rows = [row for horizon in shade.choices("horizon") for row in measures.pairs("rotate", horizon, 30, angles)]
+    rows = [row for horizon in HORIZONS for row in measures.pairs("rotate", horizon, 30, angles)]
     return rows + [row for word in PLAIN if word != "rotate" for row in measures.pairs(word, "hard", 30, angles)]
 
 
-LIT = [*(("rotate", h) for h in shade.choices("horizon")), *((w, "hard") for w in PLAIN if w != "rotate")]
+LIT = [*(("rotate", h) for h in HORIZONS), *((w, "hard") for w in PLAIN if w != "rotate")]
 ANY_WIDTH = [*((w, "hard") for w in LOBED if w in SHADED or w in ("beckmann_rotate", "ggx_rotate")),
              ("rotate", "valid_estevez")]
 

@@ -387,7 +387,7 @@ def test_many_jobs_at_once():
 
 def test_table_names_what_start_accepts():
     table = native.table()
-    assert set(table["lists"]) == {"mdf", "brdf", "detail", "groove", "fresnel", "diffuse",
+    assert set(table["lists"]) == {"mdf", "brdf", "detail", "groove", "fresnel", "diffuse", "multiscatter",
                                   "horizon"}
     for key, rows in table["lists"].items():
         for row in rows:
