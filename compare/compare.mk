@@ -40,7 +40,7 @@ $(B)/displaced: $(wildcard compare/displaced/*.c compare/displaced/*.h) $(B)/lib
 	$(call say,compile  ,$@)
 	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $(filter-out %.h,$^) -lm -o $@
 
-# the brightness of displaced bumps with all their reflections, for bumps.py: likewise
+# the brightness of displaced bumps with all their reflections, for steep_bumps.py: likewise
 $(B)/bumps: $(wildcard compare/bumps/*.c compare/bumps/*.h) $(B)/libshade.a $(O)/dump/whole.o
 	$(call say,compile  ,$@)
 	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $(filter-out %.h,$^) -lm -o $@
@@ -79,7 +79,7 @@ compare-peers: $(B)/libshade-blender.zip all
 # that is then said last. One that found nothing is not asked again until a program or a script changes.
 # --results: what is found stands in docs/results/ and in README.md.
 JUDGES := "truth.py --results" "truth.py --surface scratches" "truth.py --light sky --results" slopes.py \
-  "horizon.py --results" "bumps.py --results" fabric.py "speed.py --results" "paths.py --results"
+  "horizon.py --results" "steep_bumps.py --results" fabric.py "speed.py --results" "paths.py --results"
 JUDGED := $(B)/compare/judged
 compare: demo $(B)/libshade-blender.zip $(MEASURED)
 	@echo "Judges first, each with its own progress; then the report:"; $(PY) compare/report_page.py --plan

@@ -62,7 +62,7 @@ def test_every_row_in_cache(tmp_path):
                 for method in methods:
                     assert (what, precision, distribution, method) in have
     horizons = words("horizon") - {"hard"}
-    assert len(horizons) == 5
+    assert len(horizons) == 6
     for horizon in horizons:
         for precision in ("float", "double"):
             for distribution in distributions:

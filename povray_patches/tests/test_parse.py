@@ -11,7 +11,7 @@ from scenes import HEADER, SUN, saddle, scene
 
 COST = 19.9
 
-WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, tangent, "
+WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, multiscatter, tangent, "
          "specular, roughness, bump_image, reflection, preset, fabric, scratches, notes or }")
 DETAILS = ("none, perturb, gram_schmidt, rotate, shortest_arc, rotate_approximate, deform_linear, deform_smooth, auto, "
            "deform_linear_conserving or deform_smooth_conserving")

@@ -2,7 +2,7 @@
 """Bumps among bumps: the traced truth beside other programs' numbers and beside what a flat metal must give."""
 import pytest
 
-import bumps
+import steep_bumps as bumps
 
 COST = 1
 
@@ -30,12 +30,12 @@ def test_the_truth_is_what_other_programs_found(tmp_path, surface, wanted):
 
 
 def test_without_bumps_every_way_is_the_displaced_one(tmp_path):
-    found = traced(tmp_path, "ridges_across", 0.01, ("ggx", 0.02, 0.02), 1000)
+    found = traced(tmp_path, "ridges_across", 0.01, ("ggx", 0.02, 0.02), 4000)
     for (eye, reflectance, light, way), value in found.items():
         if light == "even":
             assert value == pytest.approx(reflectance, rel=0.02), (eye, way)
         if light in ("zenith", "horizon"):
-            assert value == pytest.approx(found[eye, reflectance, light, "displaced"], rel=0.02), (eye, light, way)
+            assert value == pytest.approx(found[eye, reflectance, light, "displaced"], rel=0.03), (eye, light, way)
         if light.startswith("sun_60") and way != "schuessler":  # whose upright mirrors, however small, send light back
             assert value == pytest.approx(found[eye, reflectance, light, "displaced"], rel=0.1, abs=0.01), (eye, light, way)
 
