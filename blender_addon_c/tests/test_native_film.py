@@ -392,7 +392,7 @@ def test_table_names_what_start_accepts():
     for key, rows in table["lists"].items():
         for row in rows:
             assert set(row) == {"value", "word", "label", "help"} and row["help"]
-            render(scene(materials=[material(**{key: row["word"]})]))
+            render(scene(materials=[{**material(), key: row["word"]}]))
     words = {row["word"]: row for row in table["params"]}
     assert {"ex", "ey", "ax", "ay", "f0"} <= set(words)
     assert words["f0"]["components"] == 3 and words["ex"]["maximum"] == 1e6
