@@ -94,9 +94,14 @@ class Result:
         return Dump(self.dump_path)
 
     @property
+    def channels(self):
+        """Of the picture, by name."""
+        return read_channels(self.image_path)[0]
+
+    @property
     def image(self):
         """Linear RGB, half precision."""
-        channels, _ = read_channels(self.image_path)
+        channels = self.channels
         return np.stack([channels[c] for c in "RGB"], -1).astype(float)
 
     @property

@@ -6,7 +6,6 @@ import re
 import numpy as np
 import pytest
 
-from conftest import read_channels
 from scenes import dot, normalise
 
 COST = 14.5
@@ -84,7 +83,7 @@ def test_a_background_is_seen_through_and_mirrored(render):
     """With an alpha channel a block mirrors the background that is transparent to the eye, and is whole."""
     plate = scene("reflection { samples 4 }", "background { rgbBACKGROUND }").replace("<-4, -1, -4>, <4, 0, 4>", "<-.05, -.001, -.05>, <.05, 0, .05>")
     opaque = render(plate.replace("BACKGROUND", " <.5, 1, .25>"), (32, 24), dump=False).image
-    seen, _ = read_channels(render(plate.replace("BACKGROUND", "t <.5, 1, .25, 1>"), (32, 24), ["+UA"], dump=False).image_path)
+    seen = render(plate.replace("BACKGROUND", "t <.5, 1, .25, 1>"), (32, 24), ["+UA"], dump=False).channels
     rgb, whole = np.stack([seen[name] for name in "RGB"], -1), seen["A"] == 1
     assert 0.05 < whole.mean() < 0.9 and (rgb[~whole] == 0).all() and (seen["A"][~whole] == 0).all()
     assert opaque[whole].min() > 0.05 and rgb[whole] == CLOSE(opaque[whole], rel=1e-3)
