@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * build/bumps: how bright a field of metal bumps is on the mean, really displaced and with all its
- * reflections, and by its normals alone with each choice of horizon. compare/steep_bumps.py runs it.
+ * reflections, and by its normals alone with each choice of horizon. compare/steep_bumps.py runs
+ * it.
  *
  * The truth is traced: the eye's ray finds the displaced surface, a direction is drawn from the
  * facet's own lobe, and so on until the ray leaves. Skies are what it meets then; suns are looked
