@@ -76,17 +76,6 @@ LEAF real albedo_loss(shade_mdf mdf, lobe_point eye, real gx, real gy) {
   return maximum(loss, 0);
 }
 
-/*
- * The mean of Fresnel over even light, 2 integral of F(c) c dc, by Gauss's three points: exact for
- * none and Schlick's. Measured metals are within .0015, F82 within .008; of bodies that reflect
- * all beyond some angle, eta below 1 and k near 0, it may be .14 off.
- */
-LEAF real fresnel_mean(shade_fresnel fresnel, real f0, real tint, real k) {
-  return R(0.13965395980290832) * fresnel_value(fresnel, f0, tint, k, R(0.212340538239153)) +
-         R(0.4584822127191726) * fresnel_value(fresnel, f0, tint, k, R(0.5905331355592653)) +
-         R(0.4018638274779191) * fresnel_value(fresnel, f0, tint, k, R(0.9114120404872961));
-}
-
 /* What to multiply one channel of f by. */
 LEAF real multiscatter(real mean, real loss) {
   const real x = mean * loss;

@@ -157,23 +157,6 @@ LEAF real unblocked(const mutual *m, triple wi) {
   return height > 0 ? m->above / (m->above + li) : 0;
 }
 
-/* The mean of F over the hemisphere, by the cosine: five points of Gauss's rule, which is exact
- * for Schlick's and F82's. */
-LEAF real mean_reflectance(const bsdf *b, int channel) {
-  static const real at[3] = {R(0.0), R(0.53846931010568309104), R(0.90617984593866399280)};
-  static const real weight[3] = {R(0.56888888888888888889), R(0.47862867049936646804),
-                                 R(0.23692688505618908751)};
-  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
-  real sum = 0;
-  for (int k = -2; k <= 2; k++) {
-    const int side = k < 0 ? -k : k;
-    const real c = R(0.5) * (1 + (k < 0 ? -at[side] : at[side]));
-    sum += weight[side] * c *
-           fresnel_value(b->fresnel, own->f0[channel], own->tint[channel], own->k[channel], c);
-  }
-  return sum;
-}
-
 /* Twice the facets' own covariance of slopes. */
 LEAF pair facet_variance(const bsdf *b) {
   const SUFFIX(bsdf_numbers) *own = numbers_of(b);
@@ -268,9 +251,10 @@ static __attribute__((noinline)) void prepare_mutual(const bsdf *b, triple n, tr
     return;
   meet_next(b, m, kept);
   m->pick = minimum(kept.share, R(0.9));
+  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
   real colour[3];
   for (int c = 0; c < 3; c++) {
-    const real f = mean_reflectance(b, c);
+    const real f = fresnel_mean(b->fresnel, own->f0[c], own->tint[c], own->k[c]);
     colour[c] = f * f * kept.share * minimum(kept.all, 1); /* no more than facets reflect again */
   }
   m->again = (triple){colour[0], colour[1], colour[2]};

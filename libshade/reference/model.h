@@ -41,6 +41,9 @@ real ref_fresnel(const shade_params *p, int c, real cosine);
 
 /* ---- multiscatter.c ---- */
 
+/* The mean of a channel's reflectance over the hemisphere, by the cosine: three points, as the
+ * library's. */
+real ref_mean_fresnel(const shade_params *p, int channel);
 /* What channel c of the lobe is multiplied by for light that facets reflect more than once. */
 real ref_multiscatter(const shade_params *p, int c, vec n, vec wo);
 

@@ -37,7 +37,7 @@ static real loss(const shade_params *p, vec eye) {
  * 2 times the integral of F(c) c by Gauss's rule of three points for the weight c: its points are
  * the roots of 35 c^3 - 60 c^2 + 30 c - 4, and its weights make c^0, c^1 and c^2 exact.
  */
-static real mean_fresnel(const shade_params *p, int channel) {
+real ref_mean_fresnel(const shade_params *p, int channel) {
   const real first[3] = {0.2L, 0.6L, 0.9L}, moment[3] = {1, 2 / 3.0L, 1 / 2.0L};
   real c[3], sum = 0;
   for (int k = 0; k < 3; k++) {
@@ -60,6 +60,6 @@ real ref_multiscatter(const shade_params *p, int c, vec n, vec wo) {
     return 1;
   shade_detail detail = ref_method_of(p);
   vec eye = ref_carried_by(ref_is_warp(detail) ? SHADE_DETAIL_PERTURB : detail, p, n, wo);
-  const real x = mean_fresnel(p, c) * loss(p, eye);
+  const real x = ref_mean_fresnel(p, c) * loss(p, eye);
   return (1 + x) / (1 - x);
 }

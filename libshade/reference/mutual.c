@@ -267,25 +267,6 @@ static real next_density(const bumps *b, const next *m, vec wi) {
   return next_density_of(b, m, wi) + next_density_of(b, m, minus(wi, scale(up, 2 * dot(up, wi))));
 }
 
-/* The mean of Fresnel's reflectance over the hemisphere, by the cosine. */
-static real mean_fresnel(const shade_params *p, int c) {
-  const real f0 = within(p->f0[c], 0, 1);
-  if (p->fresnel == SHADE_FRESNEL_NONE)
-    return f0;
-  if (p->fresnel == SHADE_FRESNEL_SCHLICK)
-    return f0 + (1 - f0) / 21;
-  real sum = 0; /* Gauss's five points */
-  for (int k = -2; k <= 2; k++) {
-    const real root = sqrtl(10 / 7.0L);
-    const real at = k == 0 ? 0 : sqrtl(k * k == 1 ? 5 - 2 * root : 5 + 2 * root) / 3;
-    const real more = k * k == 1 ? 13 * sqrtl(70) : -13 * sqrtl(70);
-    const real weight = k == 0 ? 128 / 225.0L : (322 + more) / 900;
-    const real cosine = (1 + (k < 0 ? -at : at)) / 2;
-    sum += weight * cosine * ref_fresnel(p, c, cosine);
-  }
-  return sum;
-}
-
 void ref_mutual_f(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo, real f[3]) {
   f[0] = f[1] = f[2] = 0;
   if (wi.z <= 0 || wo.z <= 0)
@@ -303,7 +284,7 @@ void ref_mutual_f(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo, real
   const real hwo = dot(unit(plus(wi, wo)), wo);
   const int lit = dot(bent, wi) > 0 && dot(bent, wo) > 0;
   for (int c = 0; c < 3; c++) {
-    f[c] = ref_fresnel(p, c, hwo) * once + square(mean_fresnel(p, c)) * twice;
+    f[c] = ref_fresnel(p, c, hwo) * once + square(ref_mean_fresnel(p, c)) * twice;
     if (lit)
       f[c] += ref_diffuse_part(p, c, bent, wi, wo) * ref_shadow(SHADE_HORIZON_VALID_ESTEVEZ, n, wi);
     f[c] /= wi.z;
