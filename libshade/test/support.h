@@ -79,6 +79,16 @@ static inline int is_warp(shade_detail d) {
   return shade_map_is(shade_detail_is(d).slopes[0]).kind != SHADE_RIGID;
 }
 
+/* Any choice of each list but the horizon's. */
+static inline void random_choices(uint64_t *seed, shade_params *p) {
+  p->mdf = (shade_mdf)(uniform(seed) * SHADE_MDF_COUNT);
+  p->brdf = (shade_brdf)(uniform(seed) * SHADE_BRDF_COUNT);
+  p->detail = (shade_detail)(uniform(seed) * SHADE_DETAIL_COUNT);
+  p->groove = (shade_groove)(uniform(seed) * SHADE_GROOVE_COUNT);
+  p->fresnel = (shade_fresnel)(uniform(seed) * SHADE_FRESNEL_COUNT);
+  p->diffuse = (shade_diffuse)(uniform(seed) * SHADE_DIFFUSE_COUNT);
+}
+
 /* Any distribution from exponents; the alphas are the matching ones. */
 static inline shade_bsdf make_lobe(shade_mdf mdf, shade_detail detail, shade_groove groove,
                                    double ex, double ey) {

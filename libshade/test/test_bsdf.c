@@ -33,12 +33,7 @@ static shade_params random_params(uint64_t *seed) {
   shade_params p;
   shade_params_init(&p);
   shade_params_set_exponents(&p, pow(10, 3 * uniform(seed)), pow(10, 3 * uniform(seed)));
-  p.mdf = (shade_mdf)(uniform(seed) * SHADE_MDF_COUNT);
-  p.brdf = (shade_brdf)(uniform(seed) * SHADE_BRDF_COUNT);
-  p.detail = (shade_detail)(uniform(seed) * SHADE_DETAIL_COUNT);
-  p.groove = (shade_groove)(uniform(seed) * SHADE_GROOVE_COUNT);
-  p.fresnel = (shade_fresnel)(uniform(seed) * SHADE_FRESNEL_COUNT);
-  p.diffuse = (shade_diffuse)(uniform(seed) * SHADE_DIFFUSE_COUNT);
+  random_choices(seed, &p);
   p.horizon = SHADE_HORIZON_HARD; /* test_horizon.c has the others */
   p.multiscatter = (shade_multiscatter)(*seed >> 20 & 1);
   int matt = uniform(seed) < 0.2;

@@ -67,12 +67,7 @@ static shade_params random_params(uint64_t *seed, double widest) {
   shade_params_set_exponents(&p, pow(10, widest * uniform(seed)), pow(10, widest * uniform(seed)));
   if (uniform(seed) < 0.1)
     shade_params_set_exponents(&p, p.ex, p.ex);
-  p.mdf = (shade_mdf)(uniform(seed) * SHADE_MDF_COUNT);
-  p.brdf = (shade_brdf)(uniform(seed) * SHADE_BRDF_COUNT);
-  p.detail = (shade_detail)(uniform(seed) * SHADE_DETAIL_COUNT);
-  p.groove = (shade_groove)(uniform(seed) * SHADE_GROOVE_COUNT);
-  p.fresnel = (shade_fresnel)(uniform(seed) * SHADE_FRESNEL_COUNT);
-  p.diffuse = (shade_diffuse)(uniform(seed) * SHADE_DIFFUSE_COUNT);
+  random_choices(seed, &p);
   p.horizon = (shade_horizon)(uniform(seed) * SHADE_HORIZON_COUNT);
   int matt = uniform(seed) < 0.3;
   for (int c = 0; c < 3; c++) {

@@ -23,12 +23,8 @@ typedef struct point {
 static point point_of(const instance *in, const mesh *m, size_t t, double u, double v) {
   double corner[3][3], a[3], b[3];
   point p;
-  for (int k = 0; k < 3; k++) {
-    const float *own = m->position + 3 * (size_t)m->corner_position[3 * t + (size_t)k];
-    for (int i = 0; i < 3; i++)
-      corner[k][i] = in->matrix[4 * i] * (double)own[0] + in->matrix[4 * i + 1] * (double)own[1] +
-                     in->matrix[4 * i + 2] * (double)own[2] + in->matrix[4 * i + 3];
-  }
+  for (size_t k = 0; k < 3; k++)
+    instance_place(in->matrix, m->position + 3 * (size_t)m->corner_position[3 * t + k], corner[k]);
   for (int i = 0; i < 3; i++) {
     a[i] = corner[1][i] - corner[0][i];
     b[i] = corner[2][i] - corner[0][i];
@@ -120,10 +116,12 @@ static void set_slopes(closure_metal *c, const moments *m) {
   shade_bsdf_setup(&c->bsdf, &c->params);
 }
 
-static void look(worker *w, material *m, const point *points) {
+static bool look(worker *w, material *m, const point *points) {
   batch *b = w->batch;
   moments *found = calloc(m->closures, sizeof *found);
-  for (size_t first = 0; found && first < POINTS; first += BATCH) {
+  if (!found)
+    return false;
+  for (size_t first = 0; first < POINTS; first += BATCH) {
     const size_t count = aim_down(points + first, BATCH, &b->sample_ray);
     hits_trace(w, RAY_CAMERA, count);
     if (!b->queue.hits)
@@ -136,10 +134,11 @@ static void look(worker *w, material *m, const point *points) {
         if (is_mutual(&m->closure[k]))
           add_slopes(&m->closure[k].of.metal, g->run, &b->input, &found[k]);
   }
-  for (size_t k = 0; found && k < m->closures; k++)
+  for (size_t k = 0; k < m->closures; k++)
     if (is_mutual(&m->closure[k]))
       set_slopes(&m->closure[k].of.metal, &found[k]);
   free(found);
+  return true;
 }
 
 static bool wants(const material *m) {
@@ -167,7 +166,7 @@ bool relief_find(scene *s, const atomic_bool *cancel) {
       break;
     memset(w.batch->path_states, 0, sizeof w.batch->path_states);
     walk(s, number, area, points);
-    look(&w, m, points);
+    good = look(&w, m, points);
   }
   if (w.batch)
     batch_free(&w);

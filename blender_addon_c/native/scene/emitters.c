@@ -5,18 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void place(const double m[12], const float *p, double out[3]) {
-  for (int k = 0; k < 3; k++)
-    out[k] = m[4 * k] * (double)p[0] + m[4 * k + 1] * (double)p[1] + m[4 * k + 2] * (double)p[2] +
-             m[4 * k + 3];
-}
-
 /* Brightness times area of a triangle in the world; what is not finite or has no area is 0. */
 static double fill(const mesh *m, size_t t, const double matrix[12], const float radiance[3],
                    float *row) {
   double corner[3][3], edge[2][3];
   for (size_t k = 0; k < 3; k++)
-    place(matrix, m->position + 3 * (size_t)m->corner_position[3 * t + k], corner[k]);
+    instance_place(matrix, m->position + 3 * (size_t)m->corner_position[3 * t + k], corner[k]);
   for (int k = 0; k < 3; k++) {
     edge[0][k] = corner[1][k] - corner[0][k];
     edge[1][k] = corner[2][k] - corner[0][k];

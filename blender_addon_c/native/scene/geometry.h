@@ -43,6 +43,13 @@ typedef struct instance {
   bool unmoved; /* it would move, but not by places that can be inverted */
 } instance;
 
+/* A point of an object in the world. */
+static inline void instance_place(const double m[12], const float *p, double out[3]) {
+  for (int k = 0; k < 3; k++)
+    out[k] = m[4 * k] * (double)p[0] + m[4 * k + 1] * (double)p[1] + m[4 * k + 2] * (double)p[2] +
+             m[4 * k + 3];
+}
+
 /* All of it, as it is read. */
 typedef struct geometry {
   size_t materials, meshes, instances;
