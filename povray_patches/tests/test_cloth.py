@@ -68,6 +68,16 @@ def test_every_object_is_the_reference(render, shade_check, shape):
     longest = np.maximum(dump.channels["foot.U"], dump.channels["foot.V"])
     assert (longest[dump.hit] > .75).mean() < .2, longest[dump.hit].mean()
     shade_check(dump.only(longest < .75), 2e-5)
+    # u grows along the tangent T, v along N x T, so that no cloth is mirrored
+    with np.errstate(invalid="ignore"):
+        for k, way in enumerate((dump.T, np.cross(dump.N, dump.T))):
+            right = []
+            for axis, here in ((0, np.s_[:-1]), (1, np.s_[:, :-1])):
+                moved, grown = np.diff(dump.P, axis=axis), np.diff(dump.uv[..., k], axis=axis)
+                along = np.sum(moved * way[here], -1)
+                clear = (np.abs(along) > .7 * np.linalg.norm(moved, axis=-1)) & (np.abs(grown) < 2)
+                right += list((grown * along > 0)[clear & (np.sum(np.diff(dump.N, axis=axis)**2, -1) < .1)])
+            assert len(right) > 200 and np.mean(right) > .97, k
 
 
 def test_a_unit_of_uv_holds_as_many_crossings_as_it_says(render):
