@@ -29,7 +29,8 @@ trap 'exit 130' INT
 trap 'exit 143' TERM
 mkdir -p "$cache"
 : >"$log"
-command -v apt-get >/dev/null && command -v dpkg-deb >/dev/null
+command -v apt-get >/dev/null
+command -v dpkg-deb >/dev/null
 doing="bpy is made for x86-64 alone"
 [ "$(uname -m)" = x86_64 ]
 # one at a time, also of several build folders

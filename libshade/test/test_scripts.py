@@ -1,0 +1,421 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scripts of setup/, each in a small house of its own with stand-ins for what it starts: what they do, say and end with."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+COST = 3.0
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def house(tmp_path):
+    """house(scripts, files={path: text}) -> its folder: copies in setup/ there."""
+    def made(*scripts, files=()):
+        root = tmp_path / "house"
+        for name in scripts:
+            (root / "setup").mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / "setup" / name, root / "setup")
+        for name, text in dict(files).items():
+            path = root / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+            if text.startswith("#!"):
+                path.chmod(0o755)
+        return root
+    return made
+
+
+@pytest.fixture
+def programs(tmp_path):
+    """programs({name: shell text}, kept names) -> PATH of these alone; each logs its words in `log` first."""
+    def made(stand_ins, *kept, without=()):
+        folder = tmp_path / "bin"
+        folder.mkdir(exist_ok=True)
+        for name in ("sh", "bash", "env", "sed", "awk", "dirname", "cat", "mkdir", "rm", "mv", "cp", "ln", "cmp", "flock", "tail", "grep", "touch", *kept):
+            if not (folder / name).exists():
+                (folder / name).symlink_to(shutil.which(name, path="/usr/bin:/bin:/usr/sbin:/sbin"))
+        for name, text in stand_ins.items():
+            (folder / name).unlink(missing_ok=True)
+            (folder / name).write_text(f'#!/bin/sh\necho "{name} $*" >>"{tmp_path}/log"\n{text}\n')
+            (folder / name).chmod(0o755)
+        (tmp_path / "log").write_text("")
+        for name in without:
+            (folder / name).unlink(missing_ok=True)
+        return {"PATH": str(folder), "HOME": str(tmp_path), "LC_ALL": "C"}
+    return made
+
+
+def run(*words, **options):
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False, timeout=60, **options)
+
+
+def git(root):
+    for words in (["init", "-q"], ["add", "-A"]):
+        subprocess.run(["git", "-C", root, *words], check=True, capture_output=True)
+
+
+def test_how_each_file_is_compiled(tmp_path):
+    said = "  compile  a.o\nmkdir -p o\ncc -O2 '-DX=a b' -MMD -c src/a.c -o o/a.o\ncc a.o -o a\ncc -c b.c -o o/b.o\n"
+    done = run(sys.executable, ROOT / "setup/compile_commands.py", input=said, cwd=tmp_path)
+    assert done.returncode == 0 and json.loads(done.stdout) == [
+        {"directory": str(tmp_path), "file": "src/a.c", "output": "o/a.o", "arguments": ["cc", "-O2", "-DX=a b", "-MMD", "-c", "src/a.c", "-o", "o/a.o"]},
+        {"directory": str(tmp_path), "file": "b.c", "output": "o/b.o", "arguments": ["cc", "-c", "b.c", "-o", "o/b.o"]}]
+    done = run(sys.executable, ROOT / "setup/compile_commands.py", input="cc a.o -o a\n")
+    assert done.returncode == 1 and "make named no file that it compiles" in done.stderr
+
+
+def test_what_steps_cost(tmp_path):
+    """Also of what fails, whose status and messages stay as they are."""
+    timed = ROOT / "setup/timed.sh"
+    assert [run(timed, "-c", words, cwd=tmp_path).returncode for words in ("exit 3", "sleep .3;\techo done")] == [3, 0]
+    done = run(timed, "-c", "echo out; echo wrong >&2", cwd=tmp_path)
+    assert (done.stdout, done.stderr) == ("out\n", "wrong\n")
+    rows = [line.split(" ", 3) for line in (tmp_path / "build/times.txt").read_text().splitlines()]
+    assert [row[3].strip() for row in rows] == ["exit 3", "sleep .3; echo done", "echo out; echo wrong >&2"]
+    user, system, wall = map(float, rows[1][:3])
+    assert .25 < wall < 20 and user + system < .2
+
+
+APACHE, GPL, AGPL = (f"SPDX-License-Identifier: {name}" for name in ("Apache-2.0", "GPL-3.0-or-later", "AGPL-3.0-or-later"))
+HEADER = f"/* {APACHE} */\nstatic const int number = 1; /* [Known1994] */\n"
+
+
+def test_lint_names_what_is_wrong(house):
+    """Licences by folder, citations, layout, and headers that do not compile alone."""
+    files = {"REFERENCES.bib": f"% {APACHE}\n@article{{Known1994,\n}}\n", ".clang-format": (ROOT / ".clang-format").read_text(),
+             "libshade/model/good.h": HEADER, "libshade/batch/good.h": HEADER, "blender_addon_c/a.py": f"# {GPL}\n", "povray_patches/a.cpp": f"// {AGPL}\n",
+             "libshade/model/column_streak.h": f"/* {APACHE} */\n#error of two halves\n", "build/a.c": "int  x;\n", "a/picture.png": "none\n",
+             "libshade/batch/column_near.h": f"/* {APACHE} */\n#if SHADE_FLOAT\n#error in double alone\n#endif\n"}
+    root = house("lint.sh", files=files)
+    done = run(root / "setup/lint.sh")
+    assert done.returncode == 0 and "lint: 5 C and C++ files, licences, citations: clean" in done.stdout, done.stderr + done.stdout
+    for name, text in {"a.py": f"# {GPL}\n", "blender_addon_c/b.py": f"# {APACHE}\n", "povray_patches/b.cpp": f"// {GPL}\n", "late.txt": 9 * "\n" + f"# {APACHE}\n",
+                       "libshade/a.c": f"/* {APACHE} */\nint  x; /* [Unknown 2001] */\n", "libshade/model/bad.h": f"/* {APACHE} */\n#error alone\n"}.items():
+        (root / name).write_text(text)
+    done = run(root / "setup/lint.sh")
+    assert done.returncode == 1 and "clean" not in done.stdout
+    for name, licence in (("a.py", APACHE), ("blender_addon_c/b.py", GPL), ("povray_patches/b.cpp", AGPL), ("late.txt", APACHE)):
+        assert f"./{name}: no line '{licence}' at its top" in done.stderr
+    assert "./libshade/a.c:2: Unknown 2001 is not a key of REFERENCES.bib" in done.stderr and done.stderr.count("error: #error alone") == 2
+    assert done.stderr.count("at its top") == 4 and done.stderr.count("is not a key") == 1
+    if "version 14." in run("clang-format", "--version").stdout:
+        assert done.stderr.count("not laid out") == 1 and "clang-format -i ./libshade/a.c" in done.stderr
+
+
+# ---- what tests notice
+
+PYTEST = """#!/bin/sh
+[ -f hangs ] || case $* in *none.py*) exit 5 ;; esac
+grep -q slow part.txt && exec sleep 30
+if grep -q bad part.txt; then echo "FAILED compare/tests/test_x.py::test_that - why"; exit 1; fi
+"""
+MAKEFILE = """all build/horizon:
+	@echo "$(CFLAGS) $(NEEDS) $(WERROR) $(PLAIN_ISAS)" >>build/made.txt
+	@! grep -q wrong part.txt
+build/test/%:
+	@mkdir -p build/test; printf '#!/bin/sh\\n! grep -q unsound part.txt' >$@; chmod +x $@
+"""
+LIST = """# of a test
+part.txt
+- one good
++ one bad
+$ py compare/tests/test_x.py
+
+part.txt
+- two good
++ two harmless
+$ py compare/tests/test_x.py
+$ c other
+
+part.txt
+- three good
++ three wrong
+$ py compare/tests/test_x.py
+
+part.txt
+- four good
+- and more
+$ c a other
+
+part.txt
+- no such line
++ x
+$ py compare/tests/test_x.py
+
+part.txt
+- five good
++ five slow
+$ py compare/tests/test_x.py
+
+part.txt
+- six good
++ six unsound
+$ c a
+"""
+
+
+def test_mistakes_are_planted_and_judged(house):
+    """In a copy, one at a time; the tree stays as it is."""
+    part = "one good\ntwo good\nthree good\nfour good\nand more\nfive good\nsix good\n"
+    root = house("mutants.py", "reach.py", "costs.py", files={
+        "setup/mutants.txt": LIST, "setup/mutants-once-missed.txt": "# none\n", "setup/mutants-noticed.txt": "# old\ngone -> gone\tx::y\n", "Makefile": MAKEFILE, "part.txt": part,
+        ".gitignore": "build/\n", "build/venv/bin/python": PYTEST, "build/shade": "#!/bin/sh\necho 'shade 1 (avx2)'\n", "build/fuzz/large": "",
+        **{f"build/obj/src/isa_{name}_float": "" for name in ("scalar", "sse2", "avx2", "avx512")}})
+    script = root / "setup/mutants.py"
+    script.write_text(script.read_text().replace("SECONDS = 300", "SECONDS = 1"))
+    (root / "build/povray").mkdir()
+    (root / "build/povray/configured").write_text(f"in {root}/build\n")
+    git(root)
+
+    def mutants(*words):
+        return run(sys.executable, script, *words)
+    done = mutants("--stale")
+    assert (done.returncode, done.stdout.strip()) == (1, f"{root}/setup/mutants.txt:23: stale: part.txt: no such line -> x")
+    assert mutants("--stale", "--only", "good").returncode == 0
+    done = mutants()
+    rows = [line.split(None, 3) for line in done.stdout.splitlines() if "part.txt" in line]
+    assert [(row[0], row[3]) for row in rows] == [
+        ("caught", "part.txt: one good -> one bad  [test_that]"), ("SURVIVED", "part.txt: two good -> two harmless"), ("compiler", "part.txt: three good -> three wrong"),
+        ("SURVIVED", "part.txt: four good -> (left out)"), ("stale", "part.txt: no such line -> x"), ("slow", "part.txt: five good -> five slow"),
+        ("caught", "part.txt: six good -> six unsound  [main]")], done.stdout + done.stderr
+    assert done.returncode == 1 and re.search(r"^4 of 6 noticed \(1 stale\), \d+ s$", done.stdout, re.M)
+    copy = root / "build/mutants"
+    assert (copy / "part.txt").read_text() == (root / "part.txt").read_text() == part
+    assert (copy / "build/venv").resolve() == (root / "build/venv").resolve() and not (copy / "build/fuzz").exists()
+    assert (copy / "build/povray/configured").read_text() == f"in {copy}/build\n"
+    assert set((copy / "build/made.txt").read_text().splitlines()) == {"-O1  -Werror avx512 sse2"}
+    done = mutants("--only", "one", "--table", "--work", root / "build/other", "--no-baseline")
+    assert done.returncode == 0 and (root / "build/other/part.txt").exists(), done.stderr
+    told = (root / "setup/mutants-noticed.txt").read_text().splitlines()
+    assert told[2:] == ["part.txt: one good -> one bad\tcompare/tests/test_x.py::test_that"] and told[0].endswith("Apache-2.0")
+    (root / "part.txt").write_text(part + "bad\n")
+    done = mutants("--only", "one")
+    assert done.returncode == 1 and done.stdout == "" and "without any mistake `py compare/tests/test_x.py` fails" in done.stderr
+
+
+@pytest.mark.parametrize("text, said", [("a.txt\nx\n", ":2: a line begins with '- ', '+ ' or '$ ', this one does not"), ("# of\n\na.txt\n+ x\n", ":3: needs lines that begin with '- '"),
+                                        ("a.txt\n- x\n$ rust it\n", "'rust it': tests are c, py, blender, zip or povray"), (None, "No such file")])
+def test_lists_that_cannot_be_read(house, text, said):
+    root = house("mutants.py", "reach.py", "costs.py", files={} if text is None else {"list.txt": text})
+    done = run(sys.executable, root / "setup/mutants.py", "--list", root / "list.txt", "--stale")
+    assert done.returncode == 2 and said in done.stderr and "Traceback" not in done.stderr
+
+
+def test_which_tests_reach_a_file(house):
+    """By what they include, import and start, the cheapest first."""
+    root = house("reach.py", "costs.py", files={
+        "libshade/include/shade/a.h": "", "libshade/src/a.c": '#include "inner.h"\n', "libshade/src/inner.h": "", "libshade/src/inner.c": "", "libshade/tool/eval.c": "", "setup/some.sh": "",
+        "libshade/test/test_a.c": "/* COST = 3 */\n#include <shade/a.h>\n", "libshade/test/test_tool.py": 'COST = 1\nrun(SHADE, "some.sh")\n',
+        "compare/judge.py": "from deep import thing\n", "compare/deep.py": "", "compare/tests/test_judge.py": "import judge\nCOST = 2\n", "compare/tests/test_none.py": "COST = 1\n",
+        "blender_addon_c/export/e.py": "from . import f\n", "blender_addon_c/export/f.py": "", "blender_addon_c/native/node/n.h": "", "blender_addon_c/native/isa/n.c": '#include "node/n.h"\n',
+        "blender_addon_c/tests/test_blender_e.py": 'COST = 9\nALONE = {"test_b": 5}\ndef test_b(blender): pass\n', "blender_addon_c/tests/test_native_n.py": "from native_scenes import native\nCOST = 4\n",
+        "povray_patches/series": "", "povray_patches/glue/g.cpp": "", "povray_patches/tests/test_p.py": "COST = .5\ndef test_p(povray): pass\n", "Makefile": "",
+        "compare/tests/test_make.py": 'COST = 8\nrun(["make"])\nimport judge\n'})
+    git(root)
+    for file, wanted in {
+            "libshade/include/shade/a.h": ["c a"], "libshade/src/a.c": ["c a"], "libshade/src/inner.c": ["c a"], "libshade/tool/eval.c": ["py libshade/test/test_tool.py"],
+            "setup/some.sh": ["py libshade/test/test_tool.py"], "compare/deep.py": ["py compare/tests/test_judge.py", "py compare/tests/test_make.py"],
+            "blender_addon_c/export/f.py": ["blender blender_addon_c/tests/test_blender_e.py"], "blender_addon_c/native/node/n.h": ["blender blender_addon_c/tests/test_native_n.py"],
+            "povray_patches/0001-x.patch": ["povray povray_patches/tests/test_p.py"], "build/povray/src/x.cpp": ["povray povray_patches/tests/test_p.py"],
+            "povray_patches/glue/g.cpp": ["povray povray_patches/tests/test_p.py"], "Makefile": ["py compare/tests/test_make.py"]}.items():
+        done = run(sys.executable, root / "setup/reach.py", file)
+        assert done.stdout.splitlines() == [file, *(f"$ {test}" for test in wanted)], file
+    (root / "setup/mutants-noticed.txt").write_text("# head\na -> b\tlibshade/test/test_a.c::main compare/tests/test_judge.py::test_x\nc -> d\tlibshade/test/test_a.c::main\n")
+    said = [line.split() for line in run(sys.executable, root / "setup/costs.py").stdout.splitlines()]
+    assert said[0] == ["seconds", "noticed", "file"] and said[-1] == ["34"] and len(said) == 10
+    assert said[1] == ["14.0", "0", "blender_addon_c/tests/test_blender_e.py"] and ["3.0", "2", "libshade/test/test_a.c"] in said and ["2.0", "1", "compare/tests/test_judge.py"] in said
+
+
+# ---- what Blender has
+
+
+def test_what_cycles_has_in_each_version(tmp_path, monkeypatch):
+    """Beside what older Blenders had; what a version is asked again replaces what it said."""
+    listed = tmp_path / "cycles-has.txt"
+    text = (ROOT / "setup/cycles_has.py").read_text()
+    part = lambda name: types.SimpleNamespace(identifier=name)
+
+    class Node:
+        pass
+
+    def blender(version, **nodes):
+        kinds = {name: type(name, (Node,), {}) for name in nodes}
+
+        def new(name):
+            if name not in nodes:
+                raise RuntimeError(name)
+            return types.SimpleNamespace(type=name[10:].upper(), bl_label=name[10:], inputs=[part(s) for s in nodes[name][0]], outputs=[part(s) for s in nodes[name][1]])
+        enum = lambda *items: types.SimpleNamespace(enum_items=[types.SimpleNamespace(identifier=item, name=item.title()) for item in items])
+        flag = lambda name, kind="BOOLEAN": types.SimpleNamespace(identifier=name, type=kind, name=name[9:])
+        layer = types.SimpleNamespace(bl_rna=types.SimpleNamespace(properties=[flag("use_pass_mist"), flag("use_pass_depth_z", "INT"), flag("use_pass_grease_pencil"), flag("use_sky")]))
+        layer.cycles = types.SimpleNamespace(bl_rna=types.SimpleNamespace(properties=[flag("pass_debug_sample_count"), flag("denoising_store_passes")]))
+        camera = types.SimpleNamespace(bl_rna=types.SimpleNamespace(properties={"type": enum("PERSP")}), panorama_type=1)
+        camera.bl_rna.properties["panorama_type"] = enum("FISHEYE")
+        fake = types.SimpleNamespace(
+            types=types.SimpleNamespace(Node=Node, Light=types.SimpleNamespace(bl_rna=types.SimpleNamespace(properties={"type": enum("SUN")})), **kinds),
+            data=types.SimpleNamespace(node_groups=types.SimpleNamespace(new=lambda *_: types.SimpleNamespace(nodes=types.SimpleNamespace(new=new))),
+                                       cameras=types.SimpleNamespace(new=lambda _: camera)),
+            context=types.SimpleNamespace(view_layer=layer), app=types.SimpleNamespace(version=version))
+        monkeypatch.setitem(sys.modules, "bpy", fake)
+        exec(compile(text, "cycles_has.py", "exec"), {"__file__": str(tmp_path / "cycles_has.py"), "__name__": "cycles_has"})
+        return [line for line in listed.read_text().splitlines() if not line.startswith("#")]
+    mix = {"ShaderNodeMix": (["A", "B", "__extend__"], ["Out"]), "NodeReroute": ([], []), "ShaderNodeShaderToRGB": ([], [])}
+    others = ["camera | FISHEYE |  | Fisheye | {0} |  |", "camera | PERSP |  | Persp | {0} |  |", "light | SUN |  | Sun | {0} |  |"]
+    passes = ["pass | denoising_store_passes |  | _store_passes | {0} |  |", "pass | pass_debug_sample_count |  | g_sample_count | {0} |  |", "pass | use_pass_mist |  | mist | {0} |  |"]
+    rows = lambda versions, *nodes: [row.format(versions) for row in (*others, *nodes, *passes)]
+    found = blender((3, 4), **mix)
+    assert found == rows("3.4", "node | ShaderNodeMix | MIX | Mix | 3.4 | A, B | Out")
+    newer = {"ShaderNodeMix": (["A", "C"], ["Out"]), "ShaderNodeNew": ([], ["Out"])}
+    for _ in range(2):
+        found = blender((5, 10), **newer)
+        assert found == rows("3.4 5.10", "node | ShaderNodeMix | MIX | Mix | 3.4 5.10 | A, B (3.4), C (5.10) | Out", "node | ShaderNodeNew | NEW | New | 5.10 |  | Out")
+    found = blender((5, 2), **newer)
+    assert "node | ShaderNodeMix | MIX | Mix | 3.4 5.2 5.10 | A, B (3.4), C (5.2 5.10) | Out" in found
+    assert listed.read_text().startswith("# SPDX-License-Identifier: Apache-2.0\n")
+
+
+# ---- other systems
+
+APT = {"apt-get": 'case "$*" in *indextargets*) printf "http://x/security trixie-security main\\nhttp://mirror/debian trixie main\\n" ;; *" download "*) touch a.deb b.deb ;; esac\n'
+                  '[ ! -f "$HOME/no-net" ] || case "$*" in *download*) echo "no route"; exit 1 ;; esac',
+       "dpkg-deb": 'mkdir -p "$3/usr/lib"; touch "$3/usr/lib/$(basename "$2")"', "id": "echo someone", "uname": 'cat "$HOME/machine"'}
+
+
+def test_a_debian_13_for_another_python(house, programs, tmp_path):
+    """Made once, and again when what it holds is listed otherwise; where it can't be had that is said, with status 0."""
+    root = house("debian13.sh", "own_apt.sh", files={
+        "setup/packages-debian13.txt": "# a list\npython3.13\nlibc6\n", "setup/requirements-bpy-5.2.txt": "bpy==5.2\n", "build/.keep": "",
+        "build/venv/bin/python": f'#!/bin/sh\necho "pip $*" >>{tmp_path}/log\nfor w; do [ "$last" = --target ] && mkdir -p "$w" && touch "$w/bpy"; last=$w; done\n'})
+    (tmp_path / "machine").write_text("x86_64\n")
+    cache = tmp_path / "cache/debian13"
+
+    def made(*versions, env=None, without=()):
+        environment = programs(APT, "basename", without=without)
+        done = run(root / "setup/debian13.sh", *versions, env={**environment, "LIBSHADE_CACHE": str(tmp_path / "cache"), **(env or {})})
+        return done, (tmp_path / "log").read_text().splitlines()
+    done, log = made()
+    assert done.returncode == 2 and "setup/debian13.sh 5.2 [5.3]" in done.stderr and not log
+    done, _log = made("5.2", without=["apt-get"])
+    assert done.returncode == 0 and "setup: no Debian 13 for bpy 5.2, tests in it are skipped: no apt here" in done.stderr
+    (tmp_path / "machine").write_text("aarch64\n")
+    done, _log = made("5.2")
+    assert done.returncode == 0 and "bpy is made for x86-64 alone" in done.stderr and not (root / "build/debian13").exists()
+    (tmp_path / "machine").write_text("x86_64\n")
+    (tmp_path / "no-net").touch()
+    done, _log = made("5.2")
+    assert done.returncode == 0 and "its packages: no route" in done.stderr and not cache.exists() and not (tmp_path / "cache/debian13.part").exists()
+    (tmp_path / "no-net").unlink()
+    done, log = made("5.2")
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    assert (root / "build/debian13").resolve() == cache.resolve() and sorted(path.name for path in (cache / "usr/lib").iterdir()) == ["a.deb", "b.deb"]
+    assert os.readlink(cache / "bin") == "usr/bin" and not (cache / "apt").exists()
+    assert any(line.endswith("download python3.13:amd64 libc6:amd64") for line in log) and sum("update" in line for line in log) == 1
+    environment = cache / "opt/bpy-5.2"
+    assert (environment / "lib/python3.13/site-packages/bpy").exists() and os.readlink(environment / "bin/python") == "/usr/bin/python3.13"
+    pip, = (line for line in log if line.startswith("pip"))
+    assert "--no-deps" in pip and "--python-version 3.13" in pip and pip.endswith(f"-r {root}/setup/requirements-bpy-5.2.txt")
+    assert made("5.2")[1] == ["uname -m"]
+    (root / "setup/requirements-bpy-5.2.txt").write_text("bpy==5.2.1\n")
+    assert [line.split()[0] for line in made("5.2")[1]] == ["uname", "pip"]
+    (root / "setup/packages-debian13.txt").write_text("libc6\n")
+    log = made("5.2")[1]
+    assert any(line.endswith("download libc6:amd64") for line in log) and log[-1].startswith("pip")
+
+
+def test_sources_of_a_release(house, programs, tmp_path):
+    """From this system's mirror, of both Debians; what apt needed besides goes."""
+    root, environment = house("release-sources.sh", "own_apt.sh"), programs(APT, "basename")
+    assert run(root / "setup/release-sources.sh", env=environment).returncode == 2
+    target = tmp_path / "sources"
+    target.mkdir()
+    (target / "old").touch()
+    stays = {**environment, "KEPT": str(tmp_path / "kept")}
+    programs({**APT, "apt-get": APT["apt-get"].replace("a.deb b.deb", "libembree-dev_4.deb") + '\n[ ! -f sources.list ] || cp sources.list "$KEPT"'}, "basename")
+    done = run(root / "setup/release-sources.sh", target, env=stays)
+    assert done.returncode == 0 and sorted(path.name for path in target.iterdir()) == ["embree", "libembree-dev_4.deb"], done.stderr
+    assert (tmp_path / "kept").read_text() == "deb-src http://mirror/debian bookworm main\ndeb http://mirror/debian trixie main\n"
+    log = (tmp_path / "log").read_text()
+    assert re.search(r"source --only-source openexr=3\.1\.5", log) and re.search(r"download libembree-dev:amd64=4\.3\.3", log)
+    assert f"Dir::State::Lists={target}/lists" in log and "Dir::Etc::SourceParts=/dev/null" in log and "User=someone" in log
+    assert log.count("dpkg-deb --extract libembree-dev_4.deb embree") == 1
+
+
+def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
+    root = house("chroot-demo.sh", files={"build/.keep": ""})
+    stand_ins = {**APT, "id": 'cat "$HOME/user"', "debootstrap": 'mkdir -p "$3/etc/apt/apt.conf.d"', "apt-config": 'echo "Acquire::http::Proxy \\"p\\";"; echo "Dir \\"/\\";"',
+                 "git": 'for w; do :; done; mkdir -p "$w"', "du": "echo 9G", "unshare": 'case "$*" in *"make -C"*) exit 7 ;; esac'}
+    script = root / "setup/chroot-demo.sh"
+
+    def made(*words, user="0", without=(), **more):
+        (tmp_path / "user").write_text(user)
+        environment = programs(stand_ins, "sort", "cut", without=without)
+        return run(script, *words, env={**environment, **more}), (tmp_path / "log").read_text()
+    assert [made(*words)[0].returncode for words in ((), ("sid",), ("--help",), ("-h",))] == [2, 2, 0, 0]
+    assert "setup/chroot-demo.sh bookworm " in made("-h")[0].stdout
+    done = made("trixie", user="1000")[0]
+    assert done.returncode == 1 and "needs root" in done.stderr
+    done = made("trixie", without=["debootstrap"])[0]
+    assert done.returncode == 1 and "apt-get install debootstrap" in done.stderr
+    done, log = made("bookworm", PIP_CERT="/c.pem")
+    assert done.returncode == 7 and re.search(r"chroot: make demo ended with 7 after \d+ s; 9G on disk", done.stdout), done.stderr
+    chroot = root / "build/chroot-bookworm"
+    assert f"debootstrap --variant=minbase bookworm {chroot} http://mirror/debian" in log and f"git clone --quiet --no-hardlinks . {chroot}/clone" in log
+    assert re.search(r"PIP_CERT=/c\.pem make -C /clone demo$", log, re.M) and not chroot.exists()
+    done, log = made("trixie", "blender", "povray", KEEP="1")
+    chroot = root / "build/chroot-trixie"
+    assert re.search(r"make -C /clone blender povray$", log, re.M) and "chroot: make blender povray ended with 7" in done.stdout
+    assert (chroot / "etc/apt/sources.list").read_text() == "deb http://mirror/debian trixie main\ndeb http://x/security trixie-security main\n"
+    assert (chroot / "etc/apt/apt.conf.d/90host").read_text() == 'Acquire::http::Proxy "p";\n'
+
+
+# ---- pictures
+
+
+def test_sheets_of_pictures_are_full(monkeypatch, tmp_path):
+    """Nothing lies on anything, no place stays empty, and each scene is there."""
+    monkeypatch.syspath_prepend(str(ROOT / "setup"))
+    import pictures
+
+    covered = [[0] * 480 for _ in range(270)]
+    for _name, _words, (x, y, width, height) in pictures._BLENDER:
+        for row in covered[y:y + height]:
+            row[x:x + width] = [count + 1 for count in row[x:x + width]]
+    assert {count for row in covered for count in row} == {1}
+    assert [2 * sum(width for *_scene, width in scenes) for _height, scenes in pictures._TWINS] == [1152] * 3
+    strip = pictures.side_by_side([Image.new("RGB", (2, 3), "red"), Image.new("RGB", (1, 3), "blue")])
+    assert (strip.size, strip.getpixel((1, 2)), strip.getpixel((2, 0))) == ((3, 3), (255, 0, 0), (0, 0, 255))
+    assert pictures.scaled(Image.new("RGB", (400, 100))).size == (1600, 400)
+    asked = []
+
+    def rendered(words, **_options):
+        asked.append([str(word) for word in words])
+        for word in asked[-1]:
+            path = word.removeprefix("+O")
+            if path.endswith(".png"):
+                Path(path).parent.mkdir(parents=True, exist_ok=True)
+                Image.new("RGB", (960, 540), (len(asked), 0, 0)).save(path)
+    (tmp_path / "examples").mkdir()
+    monkeypatch.setattr(pictures, "ROOT", tmp_path)
+    monkeypatch.setattr(pictures.subprocess, "run", rendered)
+    pictures.povray_sheet()
+    names = [re.search(r"examples/povray/(\w+)/\1\.pov", " ".join(words))[1] for words in asked[1:]]
+    assert sorted([*names, "suzanne", "cloth", "cookbook"]) == sorted({path.parent.name for path in (ROOT / "examples/povray").glob("*/*.pov")})
+    sheet = Image.open(tmp_path / "examples/povray.jpg")
+    assert sheet.size == (1440, 810)
+    for k in range(9):  # in the order of their names, by rows
+        assert abs(sheet.getpixel((480 * (k % 3) + 240, 270 * (k // 3) + 135))[0] - (k + 2)) <= 2
+    asked.clear()
+    pictures.povray_cloth()
+    pictures.swatches()
+    assert "+W960" in asked[0] and Image.open(tmp_path / "examples/povray-cloth.jpg").size == (960, 540)
+    assert asked[1][1:5] == ["swatch", "--all", "--size", "136"] and (tmp_path / "examples/swatches.jpg").exists()
