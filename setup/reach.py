@@ -24,7 +24,7 @@ BEHIND = (("libshade/include/shade/", r"libshade/src/.*\.c$"), ("libshade/refere
 # What a text names that is no include: what is built of those files.
 BUILT = ((r"build/shade\b|BUILD / .shade.|\bSHADE\b", r"libshade/tool/[^/]*\.c$"),
          (r"native_scenes|_native\b", r"blender_addon_c/native/(python|render|scene|isa|system)/[^/]*\.c$"),
-         (r"\bblender(_old|_new|52)?\b|common\.MODULE", r"blender_addon_c/(?!tests|tool)[^.]*\.py$"),
+         (r"\bblender(_old|_new|52)?\b|common\.MODULE", r"blender_addon_c/((?!tests|tool)[^.]*\.py|native/(python|render|scene|isa|system)/[^/]*\.c)$"),
          (r"shade[-_]render\b", r"blender_addon_c/tool/[^/]*\.c$"),
          (r"(?i)\bpovray\b", r"povray_patches/(glue|editor)/|povray_patches/series$"),
          (r"libshade\.so|\bimport shade\b", r"libshade/src/[^/]*\.c$"), (r"BUILD / .horizon.", r"compare/horizon\.c$"),

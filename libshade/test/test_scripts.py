@@ -225,7 +225,7 @@ def test_which_tests_reach_a_file(house):
     for file, wanted in {
             "libshade/include/shade/a.h": ["c a"], "libshade/src/a.c": ["c a"], "libshade/src/inner.c": ["c a"], "libshade/tool/eval.c": ["py libshade/test/test_tool.py"],
             "setup/some.sh": ["py libshade/test/test_tool.py"], "compare/deep.py": ["py compare/tests/test_judge.py", "py compare/tests/test_make.py"],
-            "blender_addon_c/export/f.py": ["blender blender_addon_c/tests/test_blender_e.py"], "blender_addon_c/native/node/n.h": ["blender blender_addon_c/tests/test_native_n.py"],
+            "blender_addon_c/export/f.py": ["blender blender_addon_c/tests/test_blender_e.py"], "blender_addon_c/native/node/n.h": [f"blender blender_addon_c/tests/test_{name}.py" for name in ("native_n", "blender_e")],
             "povray_patches/0001-x.patch": ["povray povray_patches/tests/test_p.py"], "build/povray/src/x.cpp": ["povray povray_patches/tests/test_p.py"],
             "povray_patches/glue/g.cpp": ["povray povray_patches/tests/test_p.py"], "Makefile": ["py compare/tests/test_make.py"]}.items():
         done = run(sys.executable, root / "setup/reach.py", file)
