@@ -111,8 +111,8 @@ def command(test, to_the_end=False):
         end = "failed=1" if to_the_end else "exit 1"
         each = [f"build/test/{word} || {{ echo FAILED libshade/test/test_{word}.c::main; {end}; }}" for word in words]
         return [f"build/test/{word}" for word in words], ["sh", "-c", "\n".join(["failed=0", *each, "exit $failed"])]
-    goals = {"py": ["all", "build/horizon"], "blender": ["all", *MADE_BEFORE, "native", "blender"], "zip": ["all", "blender"],
-             "povray": ["all", "povray"]}
+    goals = {"py": ["all", *(f"build/{name}" for name in ("horizon", "displaced", "bumps", "plain.so"))],
+             "blender": ["all", *MADE_BEFORE, "native", "blender"], "zip": ["all", "blender"], "povray": ["all", "povray"]}
     if kind not in goals:
         raise ValueError(f"'{test}': tests are c, py, blender, zip or povray")
     line = test.split(None, 1)[1]

@@ -28,10 +28,11 @@ BUILT = ((r"build/shade\b|BUILD / .shade.|\bSHADE\b", r"libshade/tool/[^/]*\.c$"
          (r"shade[-_]render\b", r"blender_addon_c/tool/[^/]*\.c$"),
          (r"(?i)\bpovray\b", r"povray_patches/(glue|editor)/|povray_patches/series$"),
          (r"libshade\.so|\bimport shade\b", r"libshade/src/[^/]*\.c$"), (r"BUILD / .horizon.", r"compare/horizon\.c$"),
-         (r"BUILD / .displaced.", r"compare/displaced/.*\.c$"), (r"\bmake(_scene|\b.*-C\b)|[\"']make[\"']", r"(Makefile|.*\.mk)$"),
+         (r"\bdisplacement\b", r"compare/displaced/.*\.c$"), (r"\bsteep_bumps\b", r"compare/bumps/.*\.c$"),
+         (r"\breport_page\b", r"compare/(study_\w+\.py|plain\.c)$"), (r"\bmake(_scene|\b.*-C\b)|[\"']make[\"']", r"(Makefile|.*\.mk)$"),
          (r"make_scene|\bexamples/blender\b", r"examples/blender/.*\.py$"), (r"\bpip\b", r"libshade/python/setup\.py$"))
-# Files that are no source, and which stands for them: POV-Ray's own, as the patches leave them.
-STANDS_FOR = ((r"build/povray/src/|povray_patches/.*\.patch$", "povray_patches/series"),)
+# What no text names, and which stands for it: POV-Ray's own files, as the patches leave them, and what lies beside them.
+STANDS_FOR = ((r"build/povray/src/|povray_patches/(.*\.patch$|include/|build\.sh$)", "povray_patches/series"),)
 
 
 @functools.cache

@@ -119,7 +119,7 @@ PYTEST = """#!/bin/sh
 grep -q slow part.txt && exec sleep 30
 if grep -q bad part.txt; then echo "FAILED compare/tests/test_x.py::test_that - why"; exit 1; fi
 """
-MAKEFILE = """all build/horizon:
+MAKEFILE = """all build/horizon build/displaced build/bumps build/plain.so:
 	@echo "$(CFLAGS) $(NEEDS) $(WERROR) $(PLAIN_ISAS)" >>build/made.txt
 	@! grep -q wrong part.txt
 build/test/%:
@@ -376,6 +376,34 @@ def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
     assert re.search(r"make -C /clone blender povray$", log, re.M) and "chroot: make blender povray ended with 7" in done.stdout
     assert (chroot / "etc/apt/sources.list").read_text() == "deb http://mirror/debian trixie main\ndeb http://x/security trixie-security main\n"
     assert (chroot / "etc/apt/apt.conf.d/90host").read_text() == 'Acquire::http::Proxy "p";\n'
+
+
+POVRAY = """#!/bin/sh
+for word; do case $word in +I*) name=${word#+I} ;; +O*) out=${word#+O} ;; esac; done
+grep -q "fails in SIDE" $name && exit 3
+{ echo "P6 of $0"; head -c 18432 /dev/zero; } >$out
+grep -q "new in SIDE" $name && printf x | dd of=$out bs=1 seek=$(($(stat -c %s $out) - 1)) conv=notrunc status=none
+exit 0
+"""
+
+
+def test_scenes_that_patches_change_are_named(house):
+    """By their pixels alone: a picture's head holds when it was made."""
+    scenes = {"textures/same.pov": "", "textures/deep/new.pov": "new in old", "lights/one.pov": "fails in old", "lights/both.pov": "fails in old fails in new",
+              "objects/other.pov": "", "textures/readme.txt": "new in old", "advanced/new.pov": "new in new"}
+    root = house(files={f"scenes/{name}": text for name, text in scenes.items()} | {side: POVRAY.replace("SIDE", side) for side in ("old", "new")})
+    check = lambda *words: run(ROOT / "povray_patches/check.sh", *words, env={**os.environ, "JOBS": "2"})
+    done = check(root / "new", root / "old", root)
+    assert done.returncode == 1 and done.stdout.splitlines()[:3] == [
+        "DIFFERS lights/one.pov (exit status 0, unpatched 3)", "DIFFERS textures/deep/new.pov", "fails   lights/both.pov (both, exit status 3)"], done.stdout + done.stderr
+    assert re.match(r"2 of 5 scenes pixel-identical, \d+ s$", done.stdout.splitlines()[3])
+    done = check(root / "new", root / "old", root, "objects")
+    assert done.returncode == 0 and "1 of 1 scenes" in done.stdout
+    assert check("--help").returncode == 0 and "SCENE-FOLDER" in check("-h").stdout and check(root / "new", root / "old").returncode == 2
+    for words, said in (((root / "none", root / "old", root), "none: no such program"), ((root / "new", root / "none", root), "none: no such program"),
+                        ((root / "new", root / "old", root, "odd"), "scenes/odd: no such folder")):
+        done = check(*words)
+        assert done.returncode == 2 and said in done.stderr
 
 
 # ---- pictures
