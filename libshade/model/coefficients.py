@@ -140,7 +140,7 @@ def split_ln2(single):
 print("/* SPDX-License-Identifier: Apache-2.0 */")
 # REUSE-IgnoreEnd
 print("/* Made by coefficients.py; do not edit. */")
-print("#ifndef SHADE_MODEL_COEFFICIENTS_H\n#define SHADE_COEFFICIENTS_H\n")
+print("#ifndef SHADE_MODEL_COEFFICIENTS_H\n#define SHADE_MODEL_COEFFICIENTS_H\n")
 # s = f/(2+f), 1+f in [sqrt(1/2), sqrt(2)]: |s| <= 3 - 2 sqrt(2)
 LIMIT = (3 - 2 * Decimal(2).sqrt()) ** 2
 # the same with 1+f in 2^-0.5865 to 2^0.5865, where bits stand for logarithms (0.0861 off)

@@ -2,7 +2,6 @@
 """Small parts of the add-on against what is known of them: parts.py FOLDER."""
 
 import functools
-import importlib
 import os
 import sys
 from types import SimpleNamespace
@@ -13,12 +12,9 @@ from mathutils import Matrix, Vector
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common  # noqa: E402
+from parts_of import module  # noqa: E402
 
 folder, = common.arguments()
-
-
-def module(name):
-    return importlib.import_module(f"{common.MODULE}.{name}")
 
 
 def test_strands_between_points():

@@ -1,0 +1,432 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Functions of the add-on that need little of Blender, by tables: small.py."""
+
+import math
+import os
+import sys
+import threading
+from types import SimpleNamespace as Of
+
+import bpy
+import numpy as np
+from mathutils import Euler, Matrix, Vector
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import common  # noqa: E402
+from parts_of import module, raised, replaced  # noqa: E402
+
+
+def close(found, wanted, rtol=1e-5):
+    return np.allclose(found, wanted, rtol=rtol, atol=1e-6)
+
+
+def test_which_rays_see_it():
+    seen = module("export.visibility")
+    for kind, bit in (("camera", 1), ("diffuse", 2), ("glossy", 4), ("transmission", 8), ("shadow", 16)):
+        assert seen.hidden(Of(**{f"visible_{kind}": False}), seen.ALL) == bit
+        assert seen.hidden(Of(**{f"visible_{kind}": False}), [other for other in seen.ALL if other != kind]) == 0
+        assert seen.hidden(Of(**{f"is_{kind}": False}), seen.ALL, "is_") == bit and seen.hidden(Of(**{f"visible_{kind}": True}), seen.ALL) == 0
+    one, other = Of(visible_camera=False), Of(visible_shadow=False, visible_camera=False)
+    assert [seen.of_both(one, maker, seen.ALL) for maker in (None, one, other)] == [1, 1, 17]
+    assert [seen.is_hidden(bits, *seen.BOUNCED) for bits in (14, 31, 12, 16, 0)] == [True, True, False, False, False]
+
+
+def test_what_the_module_says_is_of_names():
+    named, scene = module("export.messages").named, {"lights": [{}, {"name": "lamp"}], "materials": [{"name": "steel"}], "meshes": [{"name": "object 'ball'"}]}
+    for text, wanted in (("scene.lights[1]: angle must be", "light 'lamp': angle must be"), ("scene.lights[0]: angle", "scene.lights[0]: angle"),
+                         ("scene.materials[0].nodes[2]: image must", "material 'steel': nodes[2]: image must"), ("scene.meshes[0]: positions", "object 'ball': positions"),
+                         ("scene.images[0]: width", "scene.images[0]: width"), ("width must be", "width must be")):
+        assert named(text, scene) == wanted, text
+    told = module("export.messages").Messages()
+    for text in ("b", "a", "b"):
+        told.warning(text)
+    told.error("c")
+    assert list(told.warnings) == ["b", "a"] and list(told.errors) == ["c"]
+
+
+def test_which_part_of_the_picture():
+    region_of = module("export.camera").region_of
+    border = Of(use_border=True, border_min_x=0.1, border_max_x=0.999, border_min_y=0.25, border_max_y=0.75)
+    assert region_of(Of(render=border), 101, 50) == (10, 12, 100, 37)
+    assert region_of(Of(render=Of(use_border=False)), 101, 50) == (0, 0, 101, 50)
+
+
+# Of a camera: what is set, size of the picture, aspect of a pixel, and left, right, bottom and top of what it sees at a distance of 1, or in space
+VIEWS = (({}, (64, 48), (1, 1), (-0.36, 0.36, -0.27, 0.27)), ({}, (48, 64), (1, 1), (-0.27, 0.27, -0.36, 0.36)),
+         ({"lens": 25}, (64, 64), (1, 1), (-0.72, 0.72, -0.72, 0.72)), ({"shift_x": 0.25, "shift_y": -0.5}, (64, 48), (1, 1), (-0.18, 0.54, -0.63, -0.09)),
+         ({"sensor_fit": "VERTICAL", "sensor_height": 30}, (64, 32), (1, 1), (-0.6, 0.6, -0.3, 0.3)), ({"sensor_fit": "HORIZONTAL"}, (32, 64), (1, 1), (-0.36, 0.36, -0.72, 0.72)),
+         ({}, (64, 64), (1, 2), (-0.18, 0.18, -0.36, 0.36)), ({"type": "ORTHO", "ortho_scale": 3}, (64, 32), (1, 1), (-1.5, 1.5, -0.75, 0.75)))
+
+
+def test_what_a_camera_sees():
+    scene, camera_of, told = common.empty_scene(), module("export.camera").camera_of, module("export.messages").Messages()
+    for settings, size, aspect, frame in VIEWS:
+        camera = common.camera(scene, (1, 2, 3), **settings)
+        camera.rotation_euler, camera.scale, camera.data.clip_start, camera.data.clip_end = (0.3, 0.2, 0.1), (2, 3, 4), 0.5, 70
+        scene.render.pixel_aspect_x, scene.render.pixel_aspect_y = aspect
+        bpy.context.view_layer.update()
+        seen = camera_of(camera, bpy.context.evaluated_depsgraph_get(), size, told)
+        assert close(seen["frame"], frame), (settings, size, seen["frame"])
+        assert seen["type"] == settings.get("type", "PERSP") and close(seen["clip"], (0.5, 70)) and "lens" not in seen
+        wanted = Matrix.Translation((1, 2, 3)) @ Euler((0.3, 0.2, 0.1)).to_matrix().to_4x4()
+        assert close(np.reshape(seen["matrix"], (4, 4)), wanted)
+    assert not told.warnings and "the scene has no camera" in raised(camera_of, None, None, (1, 1), told)
+    dof, data = Of(aperture_fstop=2.0, aperture_ratio=0.5, aperture_blades=5000, aperture_rotation=0.7, focus_object=None, focus_distance=3.0), Of(lens=50.0, type="PERSP")
+    data.dof, lens = dof, module("export.camera")._lens
+    assert lens(Of(name="eye"), data, None, told) == {"lens": (0.025, 0.0125), "focus": 3.0, "blades": 1024, "turn": 0.7}
+    data.type = "ORTHO"
+    assert lens(Of(name="eye"), data, None, told)["lens"] == (0.5, 0.25)
+    dof.focus_distance = 0.0
+    assert lens(Of(name="eye"), data, None, told) == {} and list(told.warnings) == ["camera 'eye': its focus is on the camera itself; all is sharp"]
+
+
+def test_units_of_lights():
+    """By what light is: a point of P watts has P / 4 pi a steradian; a face of P watts that shines by the cosine P / pi (until 3.4 P / 4); a sun's
+    disc of radiance L sends pi L sin^2. What is not normalized is a power a square metre."""
+    light, here, strength = module("export.light"), Matrix.Translation((1, 2, 3)), (4 * math.pi, 0.0, 8 * math.pi)
+
+    def made(kind, matrix=here, **settings):
+        given = {"angle": 0.2, "shadow_soft_size": 0.5, "spot_size": 0.8, "spot_blend": 0.3, "size": 2.0, "size_y": 0.5, "shape": "SQUARE", "spread": 1.5}
+        return light._LIGHTS[kind](Of(**{**given, **settings}), matrix, strength)
+    bulb = made("POINT")
+    assert close(bulb["intensity"], (1, 0, 2)) and bulb["radius"] == 0.5 and bulb["position"] == (1, 2, 3) and not bulb["ball"]
+    assert close(made("POINT", normalize=False)["intensity"], np.multiply(strength, 0.25)) and made("POINT", use_soft_falloff=False)["ball"]
+    assert close(made("POINT", normalize=False, shadow_soft_size=0)["intensity"], np.divide(strength, math.pi))
+    sun = made("SUN", Matrix.Rotation(math.pi / 2, 4, "X"))
+    assert sun["irradiance"] == strength and sun["angle"] == 0.2 and close(sun["direction"], (0, -1, 0)) and sun["even"] == (bpy.app.version >= (3, 5))
+    assert close(made("SUN", normalize=False)["irradiance"], np.multiply(strength, math.pi * math.sin(0.1) ** 2))
+    assert made("SUN", normalize=False, angle=0)["irradiance"] == strength
+    spot = made("SPOT", here @ Matrix.Diagonal((2, 3, 6, 1)))
+    assert (spot["angle"], spot["blend"], spot["cosine_law"]) == (0.8, 0.3, bpy.app.version < (3, 5)) and close(spot["direction"], (0, 0, -1))
+    if bpy.app.version >= (3, 5):
+        assert close(spot["across_u"], (3, 0, 0)) and close(spot["across_v"], (0, 2, 0))
+    share = 0.25 if bpy.app.version < (3, 5) else 1 / math.pi
+    for shape, v, round_, area in (("SQUARE", 1.0, False, 4.0), ("RECTANGLE", 0.25, False, 1.0), ("DISK", 1.0, True, math.pi), ("ELLIPSE", 0.25, True, math.pi / 4)):
+        face = made("AREA", shape=shape)
+        assert close(face["axis_u"], (1, 0, 0)) and close(face["axis_v"], (0, v, 0)) and face["round"] == round_ and face["spread"] == 1.5, shape
+        assert close(face["intensity"], np.multiply(strength, share)) and close(face["direction"], (0, 0, -1)), shape
+        assert close(made("AREA", shape=shape, normalize=False)["intensity"], np.multiply(strength, area / math.pi)), shape
+    table = Of(shines={}, unknown=None)
+    lamp = Of(energy=10.0, exposure=2.0, color=(1, 0.5, 0.25), node_tree=None, use_nodes=False)
+    assert light._strength(lamp, here, table, None) == ((40.0, 20.0, 10.0), {})
+    lamp.use_temperature, lamp.temperature_color = True, (1.0, 0.5, 0.0)
+    assert light._strength(lamp, here, table, None)[0] == (40.0, 10.0, 0.0)
+    assert light._unit(Vector((0, 0, 0))) == (0, 0, 1) and light.kinds("and") == "sun and point and spot and area"
+
+
+def test_where_the_sun_of_a_sky_is():
+    sky = module("export.sky")
+
+    def to(elevation, azimuth):
+        return np.array((math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation)))
+    node = {"name": "sky", "sky_type": "NISHITA", "sun_size": 0.02, "sun_disc": True, "altitude": 100.0, "air_density": 1.5, "dust_density": 2.0, "ozone_density": 3.0,
+            "sun_intensity": 0.7, "sun_rotation": 0.4, "sun_elevation": 0.3}
+    for elevation in (-3.0, -2.0, -0.5, 0.0, 0.7, 1.5, 2.0, 3.0, 5.0, 7.0):
+        said, up, around = sky._scattering(Of(**{**node, "sun_elevation": elevation}))
+        assert abs(up) <= math.pi / 2 and close(to(up, around), to(elevation, math.pi / 2 - 0.4)), elevation
+    assert said == {"model": "SINGLE", "altitude": 100, "air": 1.5, "dust": 2, "ozone": 3, "later": bpy.app.version >= (5, 0), "sun_size": 0.02, "sun_bright": 0.7}
+    for change, key, value in (({"sun_disc": False}, "sun_size", 0), ({"sun_size": 0}, "sun_size", 0.0005), ({"aerosol_density": 9}, "dust", 9),
+                               ({"sky_type": "MULTIPLE_SCATTERING"}, "model", "MULTIPLE"), ({"sky_type": "SINGLE_SCATTERING"}, "model", "SINGLE")):
+        assert sky._scattering(Of(**{**node, **change}))[0][key] == value, change
+    assert sky._scattering(Of(**{**node, "sun_elevation": math.nan, "sun_rotation": math.inf}))[1:] == (0, math.pi / 2)
+    warned = []
+    reader = Of(warn=warned.append)
+    said, up, around = sky._fitted(reader, Of(name="sky", sky_type="PREETHAM", sun_direction=(0, 3, 3), turbidity=2.5))
+    assert said == {"model": "PREETHAM", "turbidity": 2.5} and close((up, around), (math.pi / 4, math.pi / 2)) and not warned
+    sky._fitted(reader, Of(name="sky", sky_type="HOSEK_WILKIE", sun_direction=(0, math.nan, 3), turbidity=2.5))
+    assert warned == ["'sky': sky type 'HOSEK_WILKIE' is not supported; that of Preetham is used"]
+    turn = Matrix.Rotation(0.5, 4, "Z")
+    made = sky.sky_of(reader, Of(**node), -2.0, turn)
+    assert made["strength"] == (0, 0, 0) and sky.sky_of(reader, Of(**node), 2.0, turn)["strength"] == (2, 2, 2) and len(warned) == 1
+    # the direction that comes to the sun's own in the sky is that of its elevation, above x
+    assert close(np.reshape(made["matrix"], (3, 4))[:, :3] @ np.array(turn.to_3x3().inverted()) @ to(0.3, math.pi / 2 - 0.4), to(0.3, 0))
+    for bad in (Matrix.Scale(2, 4), Matrix.Translation((1, 0, 0))):
+        found = sky.sky_of(reader, Of(**node), 1.0, bad)
+        assert close(found["matrix"], sky.sky_of(reader, Of(**node), 1.0, Matrix.Identity(4))["matrix"])
+    assert len(warned) == 3 and warned[1] == "'sky': coordinates that are not only turned are not supported; directions are used as they are"
+
+
+def test_four_numbers():
+    four = module("export.attributes").four
+    for value, wanted in ((2, (2, 2, 2, 1)), (True, (1, 1, 1, 1)), (0.5, (0.5, 0.5, 0.5, 1)), ([1, 2], (1, 2, 0, 1)), ((1, 2, 3), (1, 2, 3, 1)), ([1, 2, 3, 4], (1, 2, 3, 4)),
+                          ([1], (1, 0, 0, 1)), ([], (0, 0, 0, 1)), ("text", None), (b"1", None), ({"a": 1}, None), ([1, 2, 3, 4, 5], None), (["a"], None), (None, None), (object(), None)):
+        assert four(value) == wanted, value
+    table = module("export.attributes").Attributes(module("export.messages").Messages(), 7.0)
+    assert [table.number(kind, name) for kind, name in (("OBJECT", "a"), ("INSTANCER", "a"), ("OBJECT", "b"), ("INSTANCER", "a"), ("OBJECT", "a"))] == [0, 1, 2, 1, 0]
+    assert close(table.array([(1, 2, 3, 4), (math.nan, math.inf, -math.inf, 0)]), [1, 2, 3, 4, 0, 3e38, -3e38, 0, 0, 0, 0, 0], rtol=1e-6)
+    place = module("export.attributes")._place_on_instancer
+    item = Of(is_instance=True, uv=(0.25, 0.75), orco=(1.0, -1.0, 0.5))
+    assert place(item, "UV") == (0.25, 0.75, 0, 1) and place(item, "Generated") == (0, -1, -0.25, 1) and place(Of(is_instance=False), "UV") == (0,) * 4
+    scene = common.empty_scene()
+    scene.world, layer = bpy.data.worlds.new("world"), bpy.context.view_layer
+    found = lambda name: module("export.attributes").of_view_layer(bpy.context.evaluated_depsgraph_get(), name)
+    for owner, value in ((scene.world, 3.0), (scene, 2.0), (layer, 1.0)):  # each hides what is behind it
+        owner["tone"] = value
+        scene.update_tag()
+        bpy.context.view_layer.update()
+        assert found("tone") == (value, value, value, 1), owner
+    assert found("none") == (0,) * 4 and found("") == (0,) * 4 and found("render.resolution_x") == (64, 64, 64, 1)
+
+
+def test_attributes_of_particles():
+    attributes = module("export.attributes")
+    table = attributes.Attributes(None, 7.5)
+    names = ("Index", "Random", "Age", "Lifetime", "Location", "Size", "Velocity", "Angular Velocity")
+    grain = Of(birth_time=3.0, lifetime=9.0, location=(1, 2, 3), size=0.5, velocity=(4, 5, 6), angular_velocity=(7, 8, 9))
+    def told(item):
+        return [table._of_particle(item, name) for name in names]
+    shown = Of(is_instance=True, particle_system=Of(settings=Of(type="EMITTER"), particles=[None, grain]), persistent_id=(1,))
+    chance = float(module("export.strands").by_chance(1))
+    assert told(shown) == [(1, 1, 1, 1), (chance,) * 3 + (1,), (4.5, 4.5, 4.5, 1), (9, 9, 9, 1), (1, 2, 3, 1), (0.5, 0.5, 0.5, 1), (4, 5, 6, 1), (7, 8, 9, 1)]
+    shown.particle_system.settings.type = "HAIR"
+    assert told(shown)[0] == (0, 0, 0, 1) and told(shown)[2:] == [(0,) * 4] * 6
+    assert told(Of(is_instance=False))[0] == (0, 0, 0, 1) and 0 <= chance < 1 and chance != float(module("export.strands").by_chance(0))
+
+
+def test_how_large_cloth_is():
+    size = module("export.size")
+    assert [size.unit_of(scene and Of(unit_settings=Of(scale_length=scene))) for scene in (0.01, 0.0001, None, math.inf, math.nan, -1.0)] == [0.01, 0.0001, 1, 1, 1, 1]
+    mesh = bpy.data.meshes.new("plate")
+    mesh.from_pydata([(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (4, 0, 0), (4, 2, 0)], [], [(0, 1, 2, 3), (1, 4, 5), (1, 5, 2)])
+    assert size.unit_size(mesh, "") == 1.0
+    for name, factor in (("first", 0.5), ("second", -0.125), ("none", 0.0)):  # mirrored, and of no area
+        layer = mesh.uv_layers.new(name=name)
+        for loop, item in zip(mesh.loops, layer.data):
+            x, y, _z = mesh.vertices[loop.vertex_index].co
+            item.uv = (factor * x, abs(factor) * y)
+    for name, wanted in (("first", 2), ("second", 8), ("none", 1), ("", 2), ("unknown", 2)):
+        assert abs(size.unit_size(mesh, name) - wanted) < 1e-5, name
+    mesh.uv_layers["second"].active_render = True
+    assert abs(size.unit_size(mesh, "") - 8) < 1e-5 and size.unit_size(bpy.data.meshes.new("empty"), "") == 1.0
+    assert close(size.metres(np.diag((1.0, -2.0, 4.0, 1.0)).ravel(), 3.0, 0.1), (0.6, 0.2))
+    assert size.metres(np.zeros(16), 3.0, 0.1) == (3.0, 1.0)
+
+
+def test_passes_beside_the_picture():
+    aov = module("export.aov")
+    assert [aov._as_to_shadows({"hidden": bits})["hidden"] for bits in (0, 2, 16, 18, 1, 3, 20)] == [0, 0, 18, 18, 1, 1, 22]
+    floor, ball, hole, stand_in = ({"name": name, "hidden": 0} for name in ("floor", "ball", "hole", "stand-in"))
+    scene = {"instances": [floor, ball, hole], "catchers": {"held": [hole], "seen": [stand_in, floor]}, "samples": 40, "aov_reach": 2.5, "sky": 1, "mist": 2, "time_limit": 3.0,
+             "background": (1, 2, 3), "lights": [1], "max_bounces": 9, "transparent": False, "dump": "x", "width": 7, "sample_clamp_direct": 1.0, "sample_clamp_indirect": 2.0}
+    assert [one["name"] for one in aov._with_catchers(scene)] == ["floor", "ball", "stand-in"]
+    dark = {"background": (0, 0, 0), "lights": [], "max_bounces": 0, "transparent": True, "dump": "", "sample_clamp_direct": 0, "sample_clamp_indirect": 0, "materials": ["m"],
+            "width": 7, "catchers": scene["catchers"], "aov_reach": 2.5}
+    assert aov.view(scene, "COLOR", ["m"]) == {**dark, "samples": 40, "instances": scene["instances"]}
+    seen = aov.view(scene, aov.OCCLUSION, ["m"])
+    assert seen == {**dark, "samples": 80, "instances": [floor, ball, stand_in], "background": (1, 1, 1), "reach": 2.5}, seen
+    assert aov.view({**scene, "samples": 50000, "aov_reach": 0.0}, aov.OCCLUSION, [])["samples"] == 65536
+    assert 0 < aov.view({**scene, "aov_reach": 0.0}, aov.OCCLUSION, [])["reach"] < 1e-20
+    one = lambda name, kind, valid=True: Of(name=name, type=kind, is_valid=valid)
+    layer = Of(use_pass_ambient_occlusion=True, aovs=[one("a", "COLOR"), one("bad", "VALUE", False), one("b", "VALUE")])
+    assert aov.wanted_of(layer) == [("AO" if bpy.app.version < (5, 0) else "Ambient Occlusion", "OCCLUSION"), ("a", "COLOR"), ("b", "VALUE")]
+    layer.use_pass_ambient_occlusion = False
+    assert aov.wanted_of(layer) == [("a", "COLOR"), ("b", "VALUE")] and aov.CHANNELS == {"COLOR": 4, "VALUE": 1, "OCCLUSION": 3}
+
+
+def test_pictures_of_shadow_catchers():
+    """By hand: a catcher that keeps a half, one that others light more, one that is black; behind something that covers a quarter."""
+    catcher = module("export.catcher")
+    plate, ball, held = {"hidden": 0, "name": "plate"}, {"hidden": 4, "name": "ball"}, {"hidden": 0, "name": "held"}
+    scene = {"catchers": {"seen": [plate], "held": [held]}, "instances": [plate, ball], "transparent": False, "planes": 1, "mist": 2, "dump": "d", "width": 5}
+    for apart in (False, True):
+        made = catcher.views(scene, apart)
+        assert list(made) == ["with", "without", *(() if apart else ("behind",)), "others"]
+        assert [[one["name"] for one in view["instances"]] for view in made.values()] == [["plate", "ball"], ["plate"], *(() if apart else ([],)), ["ball", "held"]]
+        assert [one["hidden"] for one in made["with"]["instances"]] == [0, 5] and made["others"]["transparent"] == (not apart) and made["others"]["dump"] == "d"
+        assert all(made[name]["dump"] == "" and made[name]["transparent"] and "planes" not in made[name] and made[name]["width"] == 5 for name in ("with", "without"))
+    assert "behind" not in catcher.views({**scene, "transparent": True}, False) and not made["others"]["transparent"]
+    assert catcher.views({**scene, "catchers": {"seen": [], "held": []}}, False) is None
+    rows = lambda *values: np.array(values, np.float32)
+    pictures = {"with": rows((1, 1, 2, 1), (3, 3, 3, 1), (0, 0, 0, 1)), "without": rows((2, 2, 2, 1), (1, 1, 1, 1), (0, 0, 0, 1)),
+                "others": rows((0.2, 0.2, 0.2, 0.25), (0, 0, 0, 0), (0.5, 0.5, 0.5, 1))}
+    assert close(catcher.shadow(pictures), [(0.5, 0.5, 1), (3, 3, 3), (1, 1, 1)])
+    assert close(catcher.seen_shadow(pictures), [(0.625, 0.625, 1), (3, 3, 3), (1, 1, 1)])
+    assert close(catcher.composed(pictures), [(0.2, 0.2, 0.2, 0.5), (0, 0, 0, 0), (0.5, 0.5, 0.5, 1)])
+    pictures["behind"] = rows((4, 4, 4, 1), (2, 2, 2, 1), (9, 9, 9, 1))
+    assert close(catcher.composed(pictures), [(1.7, 1.7, 3.2, 1), (2, 2, 2, 1), (0.5, 0.5, 0.5, 1)])
+
+
+def test_room_for_a_picture():
+    """Four bytes a number: three of each channel, four more of a pixel."""
+    memory = module("memory")
+    with replaced(memory, _free=lambda: 64 * 1000 * 1000):
+        assert memory.ask_for(1000, 1000, 4) is None
+        assert raised(memory.ask_for, 1000, 1001, 4) == "out of memory: 1000 × 1001 pixels and their passes take 0 GiB, 0 GiB are free"
+        assert raised(memory.ask_for, 1000, 1000, 5)
+        assert "65536 × 65536 pixels and their passes take 256 GiB, 0 GiB are free" in raised(memory.ask_for, 65536, 65536, 4)
+    with replaced(memory, _free=lambda: None):
+        assert raised(memory.ask_for, 1 << 24, 1 << 24, 4) == f"out of memory: {1 << 24} × {1 << 24} pixels and their passes take 16,777,216 GiB"
+    with open("/proc/meminfo", encoding="ascii") as file:
+        total = 1024 * sum(int(line.split()[1]) for line in file if line.startswith(("MemTotal", "SwapTotal")))
+    assert total / 100 < memory._free() <= total
+
+
+def test_which_denoiser():
+    denoise = module("export.denoise")
+    with replaced(denoise, _path=lambda: "/lib/oidn"):
+        assert denoise.denoiser(Of(use_denoising=True)) == {"use_denoising": True, "denoiser": "/lib/oidn"} and denoise.denoiser(Of(use_denoising=False)) == {}
+        assert denoise.preview_denoiser(Of(use_preview_denoising=True)) == {"use_denoising": True, "denoiser": "?/lib/oidn"}
+        assert denoise.preview_denoiser(Of(use_preview_denoising=False)) == {}
+
+
+def test_the_main_thread_answers():
+    on_main, timers = module("export.main_thread"), []
+    assert on_main.on_main_thread(lambda: 5) == 5
+
+    def asked(function, seconds=20.0):
+        answer = []
+
+        def run():
+            try:
+                answer.append(on_main.on_main_thread(function))
+            except Exception as error:  # whatever it is
+                answer.append(error)
+        thread = threading.Thread(target=run)
+        with replaced(on_main, _SECONDS=seconds, bpy=Of(app=Of(timers=Of(register=timers.append)))):
+            thread.start()
+            while seconds > 1 and not timers:
+                pass
+            if seconds > 1:
+                assert timers.pop()() is None
+            thread.join()
+        return answer[0]
+    assert asked(lambda: 7) == 7 and isinstance(asked(lambda: 1 / 0), ZeroDivisionError)
+    late = []
+    assert isinstance(asked(lambda: late.append(1), 0.01), TimeoutError)
+    timers.pop()()  # nobody waits any more
+    assert not late
+
+
+def test_libraries_of_assets():
+    assets, here = module("assets"), os.path.dirname(os.path.abspath(__file__))
+    ours, moved, other, theirs = (Of(name=name, path=path) for name, path in (
+        ("any", assets.FOLDER + "/"), (assets.NAME, "/no/such/folder"), ("other", "/no/such/folder"), (assets.NAME, here)))
+    for libraries, wanted in (([other, ours], ours), ([other, moved], moved), ([theirs, other], None), ([], None), ([moved, ours], moved)):
+        with replaced(assets, _libraries=lambda libraries=libraries: libraries):
+            assert assets.registered() is wanted
+    for library in (moved, theirs, other):
+        before = library.path
+        with replaced(assets, _libraries=lambda library=library: [library], FOLDER=here + "/../inside"):
+            assets._repair()
+            assert library.path == (here + "/../inside" if library is moved else before)
+    with replaced(assets, _libraries=lambda: [moved], FOLDER="/none"):
+        moved.path = "/no/such/folder"
+        assets._repair()
+        assert moved.path == "/no/such/folder"
+        said = []
+        assert assets.LIBSHADE_OT_add_assets.execute(Of(report=lambda kind, text: said.append((*kind, text))), None) == {"CANCELLED"}
+        assert said == [("ERROR", "/none is not there: install the add-on from its zip")]
+
+    class Library:
+        def __init__(self, *known):
+            self.known, self.method = known, "PACK"
+
+        @property
+        def import_method(self):
+            return self.method
+
+        @import_method.setter
+        def import_method(self, word):
+            if word not in self.known:
+                raise TypeError
+            self.method = word
+    for known, wanted in ((("APPEND_REUSE", "APPEND"), "APPEND_REUSE"), (("APPEND",), "APPEND"), ((), "PACK")):
+        library = Library(*known)
+        assets._import_by_appending(library)
+        assert library.method == wanted
+    assets._import_by_appending(Of())
+    common.empty_scene()
+    assert not assets.tells_timings()
+    os.environ["LIBSHADE_TIMINGS"] = "1"
+    try:
+        assert assets.tells_timings()
+    finally:
+        del os.environ["LIBSHADE_TIMINGS"]
+    bpy.context.preferences.addons[common.MODULE].preferences.timings = True
+    assert assets.tells_timings()
+    bpy.context.preferences.addons[common.MODULE].preferences.timings = False
+
+
+def test_shaders_of_the_menu():
+    menus, drawn = module("menus"), []
+    names, labels = zip(*menus.shaders())
+    assert names[:3] == ("ShaderNodeOutputMaterial", "ShaderNodeMixShader", "ShaderNodeAddShader") and list(labels[3:]) == sorted(labels[3:])
+    assert {"ShaderNodeBsdfPrincipled", "ShaderNodeBsdfDiffuse", "ShaderNodeEmission", "ShaderNodeBsdfGlass"} <= set(names) and "ShaderNodeBackground" not in names
+    for engine, tree, of, there in (("LIBSHADE", "ShaderNodeTree", "OBJECT", 1), ("CYCLES", "ShaderNodeTree", "OBJECT", 0), ("LIBSHADE", "GeometryNodeTree", "OBJECT", 0),
+                                    ("LIBSHADE", "ShaderNodeTree", "WORLD", 0)):
+        drawn.clear()
+        menus._draw_add_menu(Of(layout=Of(menu=drawn.append)), Of(engine=engine, space_data=Of(tree_type=tree, shader_type=of)))
+        assert len(drawn) == there, (engine, tree, of)
+
+
+def test_dim_worlds():
+    studio = module("studio")
+    shine = lambda color, strength, linked=False: Of(bl_idname="ShaderNodeBackground", inputs=type("Inputs", (dict,), {"__iter__": lambda self: iter(self.values())})(
+        Color=Of(default_value=(*color, 1.0), is_linked=linked), Strength=Of(default_value=strength, is_linked=False)))
+    world = lambda *nodes: Of(use_nodes=True, node_tree=Of(nodes=list(nodes)), color=(9, 9, 9))
+    for of, dim in ((None, True), (Of(use_nodes=True, node_tree=None, color=(0.1, 0.19, 0)), True), (Of(use_nodes=True, node_tree=None, color=(0.1, 0.21, 0)), False),
+                    (world(), True), (world(shine((0.1, 0.05, 0), 1.9)), True), (world(shine((0, 0.1, 0), 2.1)), False), (world(shine((0.1, 0, 0), 1), shine((0, 0, 1), 1)), False),
+                    (world(shine((0, 0, 0), 1, True)), False), (world(Of(bl_idname="other")), True)):
+        assert studio._is_dim(of) == dim
+    lamps = lambda count: Of(objects=[Of(type="LIGHT")] * count + [Of(type="MESH")], world=None)
+    assert [studio.is_bare(lamps(count)) for count in (0, 1, 2)] == [True, True, False]
+    with replaced(studio, _path=lambda: ""):
+        said = []
+        assert studio.LIBSHADE_OT_add_studio_light.execute(Of(report=lambda kind, text: said.append((*kind, text))), None) == {"CANCELLED"}
+        assert said == [("ERROR", "This Blender has no studio.exr among its studio lights")]
+
+
+def test_what_is_copied_from_cycles_is_named():
+    scene, cycles, said = common.empty_scene(), module("cycles_settings"), []
+    operator = Of(report=lambda kind, text: said.append((*kind, text)))
+    for settings, theirs in ((scene.libshade, scene.cycles), (scene.view_layers[0].libshade, scene.view_layers[0].cycles)):
+        for name in cycles.shared(settings, theirs):
+            setattr(theirs, name, getattr(settings, name))
+    scene.cycles.samples, scene.cycles.seed = 123, 45
+    assert cycles.LIBSHADE_OT_copy_cycles_settings.execute(operator, Of(scene=scene)) == {"FINISHED"}
+    assert cycles.LIBSHADE_OT_copy_cycles_settings.execute(operator, Of(scene=scene)) == {"FINISHED"}
+    labels = [scene.libshade.bl_rna.properties[name].name for name in ("samples", "seed")]
+    assert said[0][1].removeprefix("As in Cycles now: ").split(", ") == labels and said[1] == ("INFO", "All was as in Cycles already"), said
+    poll = cycles.LIBSHADE_OT_copy_cycles_settings.poll
+    assert poll(Of(scene=scene)) and not poll(Of(scene=None))
+
+
+def test_what_the_module_is_told_of_cloth():
+    """Of a preset as it is, its name; of an own one what differs, within what the library takes."""
+    common.empty_scene()
+    yarns = module("fabric.yarns")
+    node = common.tree_of(bpy.data.materials.new("cloth")).nodes.new("LibshadeFabricNode")
+    assert node.size_mode == "REAL"
+    node.preset, node.size_mode = "LINEN", "LENGTH"
+    said, trouble = yarns.settings(node, 1.0)
+    assert said == {"preset": "linen", "size": node.size} and trouble == ""
+    node.size = 2.0
+    assert [yarns.settings(node, unit)[0]["size"] for unit in (0.5, 1e-9, 1e9)] == [1.0, 1e-6, 1e6]
+    for mode, wanted in (("REAL", {"size": 1.0}), ("REPEATS", {"repeats": (50.0, 50.0)})):
+        node.size_mode = mode
+        assert yarns.settings(node, 0.5)[0] == {"preset": "linen", **wanted}
+    for word, tier in (("NEAR", "near"), ("FAR", "far"), ("AUTO", None)):
+        node.distance = word
+        assert yarns.settings(node, 1.0)[0].get("tier") == tier
+    node.warp_width, node.picks_per_cm = 0.5 * node.warp_width, 33.0
+    said = yarns.settings(node, 1.0)[0]
+    assert node.preset == "CUSTOM" and said["preset"] == "linen" and said["warp_yarn"] == {"width": node.warp_width} and said["weft_yarn"] == {}
+    assert abs(said["counts"][1] - 33) < 1e-4 and abs(said["counts"][0] - node.ends_per_cm) < 1e-6 and said["weave"] == "plain"
+    node.weave = "DRAFT"
+    assert yarns.settings(node, 1.0)[1] == "no draft is chosen (a Text, or Import WIF, in the sidebar); woven as its preset"
+    node.draft = bpy.data.texts.new("notes")
+    node.draft.write("no draft at all")
+    said, trouble = yarns.settings(node, 1.0)
+    assert trouble.endswith("; woven as its preset") and "draft" not in said and "weave" not in said
+
+
+def run(tests):
+    for name, test in list(tests.items()):
+        if name.startswith("test_"):
+            test()
+            print(name, "done", flush=True)
+
+
+run(globals())
+print("all asserted")
+common.finish()
