@@ -86,3 +86,13 @@ def test_bad_arguments(words):
     with pytest.raises(SystemExit) as ended:
         paths.arguments(words)
     assert ended.value.code == 2
+
+
+def test_blocks_are_means_of_squares():
+    """Of 4 x 4 pixels; what does not fill one at the right and at the bottom is left out."""
+    picture = np.arange(9 * 14 * 3.0).reshape(9, 14, 3)
+    found = paths.blocks(picture)
+    assert found.shape == (2, 3, 3)
+    for y in range(2):
+        for x in range(3):
+            assert found[y, x] == pytest.approx(picture[4 * y:4 * y + 4, 4 * x:4 * x + 4].mean((0, 1)))

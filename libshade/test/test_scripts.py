@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scripts of setup/, each in a small house of its own with stand-ins for what it starts: what they do, say and end with."""
+import ast
 import json
 import os
 import re
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-COST = 3.0
+COST = 4.0
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -236,6 +237,78 @@ def test_which_tests_reach_a_file(house):
     assert said[1] == ["14.0", "0", "blender_addon_c/tests/test_blender_e.py"] and ["3.0", "2", "libshade/test/test_a.c"] in said and ["2.0", "1", "compare/tests/test_judge.py"] in said
 
 
+# ---- what --help says
+
+
+def _said(node):
+    """A help text as far as it is written there; what is worked out is a question mark."""
+    if isinstance(node, ast.JoinedStr):
+        return "".join(part.value if isinstance(part, ast.Constant) else "?" for part in node.values)
+    if isinstance(node, ast.BinOp):
+        return _said(node.left) + _said(node.right)
+    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else "?"
+
+
+def test_help_tells_the_defaults():
+    """Of every script's options: the number or word in "(default …)" is the option's."""
+    seen = 0
+    for path in (*(ROOT / "setup").glob("*.py"), *(ROOT / "compare").glob("*.py")):
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(call, ast.Call) and getattr(call.func, "attr", "") == "add_argument":
+                given = {word.arg: word.value for word in call.keywords}
+                told = re.search(r"\((?:by )?default:? ([^,;)?]+)", _said(given.get("help", ast.Constant(0))))
+                default = given.get("default")
+                if told and isinstance(default, ast.Constant) and default.value is not None:
+                    seen += 1
+                    word = told[1].split()[0].rstrip(":")
+                    numbers = isinstance(default.value, (int, float)) and re.fullmatch(r"[\d.e-]+", word)  # 0 may be "all"
+                    same = abs(float(word) - default.value) < 1e-12 if numbers else word == str(default.value) or default.value == 0
+                    assert same, (path.name, ast.unparse(call)[:80], told[1])
+            if isinstance(call, ast.Call) and getattr(call.func, "attr", "") == "ArgumentParser" and any(
+                    word.arg == "description" and isinstance(word.value, ast.Name) for word in call.keywords):  # the whole of __doc__, with its lines
+                assert "RawDescriptionHelpFormatter" in ast.unparse(call), path.name
+    assert seen > 5
+
+
+def test_every_command_has_a_manual_page():
+    made = re.search(r"^SHADE_COMMANDS := (.*)$", (ROOT / "libshade/install.mk").read_text(), re.M)[1].split()
+    listed = re.findall(r"^  (\w+) ", run(ROOT / "build/shade", "--help").stdout.split("ommands", 1)[-1], re.M)
+    assert set(made) == set(listed) - {"shade"} and len(made) == len(set(made)) > 5, listed
+
+
+def test_supported_txt_claims_no_more_than_is_read():
+    """Nor less than there is; a page without its marks is said."""
+    module = types.ModuleType("supported")
+    exec(compile((ROOT / "setup/supported.py").read_text(), "supported.py", "exec"), {**vars(module), "__file__": str(ROOT / "setup/supported.py")}, vars(module))
+    module.Page.__init__.__globals__.update(vars(module))
+    with pytest.raises(KeyError, match="known.py has no _NOTHING"):
+        module._assigned("known.py", "_NOTHING")
+    page = module.Page()
+    page.said["light", "SUN"], page.read = ("much the same", ""), lambda *_what: False
+    with pytest.raises(SystemExit, match="light SUN is much the same, but the exporter does not read it"):
+        page._said("light", "SUN", "")
+    assert page._said("node", "ShaderNodeNothing", "NOTHING") == ("not", "passed on") and page._said("camera", "NOTHING", "")[1] == "It is named."
+    page = module.Page()
+    page.unused.add(("node", "NoSuch"))
+    with pytest.raises(SystemExit, match=r"no Blender has \[\('node', 'NoSuch'\)\]"):
+        page.text()
+    page.parts = lambda: [("none", ["| a |"])]
+    with pytest.raises(SystemExit, match="supported.md has no marks of none"):
+        page.text()
+    every = ["3.4", "4.2", "5.0"]
+    for versions, said in ((every, "all"), (["3.4"], "in `3.4`"), (["3.4", "4.2"], "until `4.2`"), (["4.2", "5.0"], "from `4.2`"), (["4.2"], "`4.2` to `4.2`")):
+        assert module.since(versions, every) == said
+
+
+def test_versions_of_bpy_are_those_that_are_asked():
+    """Of each Debian's Python one, whose pins are there; tests know which."""
+    listed = dict(re.findall(r"^BPY_OF_(3\.\d+) := (\S+)$", (ROOT / "setup/setup.mk").read_text(), re.M))
+    told = re.search(r"3\.4 and (\S+) on Debian 12, 4\.3 and (\S+) on Debian 13", (ROOT / "blender_addon_c/tests/blender_runs.py").read_text())
+    assert listed == {"3.11": told[1], "3.13": told[2].rstrip(".")}
+    for version in (*listed.values(), "4.2", "4.5", "5.3"):
+        assert f"bpy=={version}." in (ROOT / f"setup/requirements-bpy-{version}.txt").read_text(), version
+
+
 # ---- what Blender has
 
 
@@ -370,7 +443,7 @@ def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
     assert done.returncode == 7 and re.search(r"chroot: make demo ended with 7 after \d+ s; 9G on disk", done.stdout), done.stderr
     chroot = root / "build/chroot-bookworm"
     assert f"debootstrap --variant=minbase bookworm {chroot} http://mirror/debian" in log and f"git clone --quiet --no-hardlinks . {chroot}/clone" in log
-    assert re.search(r"PIP_CERT=/c\.pem make -C /clone demo$", log, re.M) and not chroot.exists()
+    assert re.search(r"HOME=/root PATH=\S+ LANG=C\.UTF-8 TERM=dumb PIP_CERT=/c\.pem make -C /clone demo$", log, re.M) and not chroot.exists()
     done, log = made("trixie", "blender", "povray", KEEP="1")
     chroot = root / "build/chroot-trixie"
     assert re.search(r"make -C /clone blender povray$", log, re.M) and "chroot: make blender povray ended with 7" in done.stdout

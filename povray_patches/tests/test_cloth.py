@@ -5,7 +5,7 @@ import pytest
 
 from scenes import SUN, scene
 
-COST = 76.8
+COST = 71.5
 
 CLOTHS = ("silk_charmeuse", "silk_shantung", "denim", "gabardine", "linen", "wool_flannel", "polyester_lining",
           "shot_taffeta", "herringbone_tweed")
@@ -416,7 +416,7 @@ def test_shadows_of_yarns_may_be_left_out(render, shade_check):
 SCRATCHES = "scratches { tile_mm 20 mm_per_unit 40 layer { pits 4000 radius .01, .03 stretch 100, 400 depth .2, .4 direction 30 spread 10 } }"
 
 
-@pytest.mark.parametrize("shape, place", [(sheet(), "rotate 40*z scale .7"), ("plane { z, 0", ""), ("cylinder { -y, y, .6", ""),
+@pytest.mark.parametrize("shape, place", [(sheet(), "rotate 40*z scale .7"), ("cylinder { -y, y, .6", ""),
                                           ("plane { z, 0", "tangent radial z at <.2, .1, 0>")])
 def test_scratches_are_the_reference_and_keep_their_mean(render, shade_check, shape, place):
     """Near, normals; from afar, a wider lobe: the same light in all."""

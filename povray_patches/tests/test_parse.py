@@ -9,7 +9,7 @@ import pytest
 
 from scenes import HEADER, SUN, saddle, scene
 
-COST = 19.9
+COST = 20.5
 
 WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, multiscatter, tangent, "
          "specular, roughness, bump_image, reflection, preset, fabric, scratches, notes or }")
@@ -350,6 +350,55 @@ def test_warnings(render, shade_check, tmp_path, block, objects, message):
     assert result.message.count(message) == 1
     if not {"2e6,", "-2,"} & set(block.split()):  # a lobe that narrow cannot be checked through float32 directions
         shade_check(dump)
+
+
+def told_by_the_manual():
+    """Words of blocks in docs/povray/reference.md: {(block, word): (its default or None, its range or None)}, where these are numbers."""
+    text = (Path(__file__).resolve().parents[2] / "docs/povray/reference.md").read_text(encoding="utf-8")
+    said = {}
+    for block, inside in re.findall(r"^## (.*?)\n(.*?)(?=^## |\Z)", text, re.M | re.S):
+        for word, about in re.findall(r"^### (\w+)\n.*?```\n\n(.*?)(?=^###|\Z)", inside, re.M | re.S):
+            number = re.match(r"Default `(?:rgb )?([\d.e-]+)`", about)
+            limits = re.search(r"[Rr]ange `([^`]+)` to `([^`]+)`", about)
+            said[block, word] = (float(number[1]) if number else None,
+                                 [float(end) if "pi" not in end else np.copysign(np.pi / 2, -1 if "-" in end else 1) for end in limits.groups()] if limits else None)
+    return said
+
+
+# Where the words of a section stand, and what a warning says before their name
+BLOCKS = {"fabric": ('fabric {{ weave "plain" {} }}', ""), "warp, weft and yarns": ('fabric {{ weave "plain" weft {{ {} }} }}', "weft: "), "scratches": ("scratches {{ {} }}", ""),
+          "layer": ("scratches {{ layer {{ {} }} }}", ""), "reflection": ("reflection {{ {} }}", "reflection ")}
+
+
+def test_numbers_are_taken_as_the_manual_says(render):
+    """Beyond a range the nearest within, which is said; without a word its default."""
+    words = {key: limits for key, (_number, limits) in told_by_the_manual().items() if key[0] in BLOCKS and limits and key[1] != "diffuse"}
+    words |= {("layer", "spread"): [0, 90], ("reflection", "samples"): [1, 4096]}
+    assert len(words) > 30
+    finishes, wanted = "", []
+    for (block, word), (low, high) in words.items():
+        for beyond, taken in ((low - abs(low) - 1, low), (3 * high, high)):
+            given = f"<{beyond:g}, {low:g}, {high:g}>" if word in ("specular", "transmit", "backing", "nap_color") else f"{beyond:g}"
+            taken = f"<{taken:g}, {low:g}, {high:g}>" if given[0] == "<" else f"{taken:g}"
+            pair = f"{given}, {low:g}" if word in ("stretch", "depth") else given
+            finishes += f"#declare F = finish {{ mdf {{ {BLOCKS[block][0].format(f'{word} {pair}')} }} }}\n"
+            wanted.append(f"mdf: {BLOCKS[block][1]}{word} is {given}; it is taken as {taken}.")
+    result = render(scene(finishes), (8, 6), dump=False)
+    assert [text for text in wanted if text not in result.message] == []
+    within = "".join(f"#declare F = finish {{ mdf {{ {BLOCKS[block][0].format(f'{word} ' + ', '.join([f'{end:.17g}'] * (1 + (word in ('stretch', 'depth')))))} }} }}\n"
+                     for (block, word), ends in words.items() for end in ends if word not in ("ends_per_cm", "picks_per_cm", "tile_mm"))
+    assert "it is taken as" not in render(scene(within), (8, 6), dump=False).message
+
+
+def test_defaults_are_the_manuals(material):
+    names = {"specular": "f0", "transmit": "weft_transmit"}
+    made = material('fabric { weave "plain" }')["fabric"]
+    found = {**made["yarns"]["weft"], **made["cloth"]["weft"], "weft_transmit": made["cloth"]["weft_transmit"], "backing": made["cloth"]["backing"],
+             "nap": made["cloth"]["nap"], "nap_color": made["cloth"]["nap_color"]}
+    asked = {word: number for (block, word), (number, _limits) in told_by_the_manual().items() if block == "warp, weft and yarns" and number is not None}
+    asked |= {"backing": 0, "nap": 0, "nap_color": .5}
+    assert len(asked) > 20
+    assert {word: np.mean(found[names.get(word, word)]) for word in asked} == pytest.approx(asked, rel=1e-6)
 
 
 def test_subsurface_needs_diffuse_light(render):
