@@ -113,6 +113,8 @@ def test_colours():
             (of(weighed(TRANSLUCENT, 0.3, 0.2, 0.1)), "DIFFUSE", (0.3, 0.2, 0.1)),
             (of(glass(0.3, ior=2.0)), "GLOSSY", (1 / 9,) * 3),
             (of(glass(0.3, ior=2.0) | {"tint": (1, 0.5, 0)}), "TRANSMISSION", (8 / 9, 4 / 9, 0)),
+            (of(weighed(glass(0.3, ior=2.0) | {"pass_color": (1, 0.5, 0.1)}, 0.5)), "GLOSSY", (0.5 / 9, 0.25 / 9, 0.05 / 9)),
+            (of(weighed(glass(0.3, ior=2.0) | {"pass_color": (1, 0.5, 0.1), "tint": (1, 1, 0.5)}, 0.5)), "TRANSMISSION", (4 / 9, 2 / 9, 0.2 / 9)),
             (of(glass(0.3, refracts=False)), "GLOSSY", (1, 1, 1)),
             (of(glass(0.3, reflects=False)), "TRANSMISSION", (1, 1, 1)),
             (of(glossy(0.5) | {"pass_color": (0.1, 0.2, 4.0)}), "GLOSSY", (0.1, 0.2, 4.0)),

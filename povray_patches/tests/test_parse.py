@@ -401,6 +401,28 @@ def test_defaults_are_the_manuals(material):
     assert {word: np.mean(found[names.get(word, word)]) for word in asked} == pytest.approx(asked, rel=1e-6)
 
 
+def test_blocks_are_found_wherever_a_texture_stands(render):
+    """Each says its notes once."""
+    lines = {}
+    def block(name):
+        lines[name] = len(lines)
+        return f"texture {{ pigment {{ rgb 1 }}\nfinish {{ mdf {{ ggx .{2 * len(lines) + 101}, .5 notes on }} }} }}"
+    plain = "texture { pigment { rgb 1 } }"
+    mesh = "mesh { triangle { -x, x, y texture { In_Mesh } } triangle { -x, x, -y texture { Also } } }"
+    objects = [f"sphere {{ 0, 1 {block('plain')} }}", f"sphere {{ 0, 1 {plain} {block('layer').replace('rgb 1', 'rgbt 1')} }}",
+               f"sphere {{ 0, 1 texture {{ gradient x texture_map {{ [0 {block('map')[10:-1]}] [1 pigment {{ rgb 1 }}] }} }} }}",
+               f"sphere {{ 0, 1 texture {{ average texture_map {{ [1 {block('average')[10:-1]}] [1 pigment {{ rgb 1 }}] }} }} }}",
+               f"sphere {{ 0, 1 texture {{ checker {plain} {block('checker')} }} }}",
+               f"sphere {{ 0, 1 texture {{ material_map {{ png \"two.png\" {plain} {block('material_map')} }} }} }}",
+               f"box {{ 0, 1 {plain} interior_{block('inside')} }}",
+               f"#declare In_Mesh = {block('mesh')};", f"#declare Also = {block('also')};", mesh,
+               f"blob {{ threshold .5 sphere {{ 0, 1, 1 {block('blob')} }} }}", f"union {{ sphere {{ 0, 1 }} sphere {{ y, 1 {block('union')} }} }}"]
+    from test_bump_image import write_png
+    write_png(Path(render(scene("")).image_path).parent / "two.png", np.zeros((2, 2, 3)), "uint8")
+    message = render(scene("\n".join(objects)), (8, 6), dump=False).message
+    assert {name: message.count(f"lobe: ggx 0.{2 * k + 103}, 0.5") for name, k in lines.items()} == dict.fromkeys(lines, 1), message
+
+
 def test_subsurface_needs_diffuse_light(render):
     """A colour without green or blue has enough of it, also where no block is: POV-Ray ended there."""
     head = HEADER.replace("assumed_gamma 1", "assumed_gamma 1 mm_per_unit 20 subsurface { samples 4, 1 }")
