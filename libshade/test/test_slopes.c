@@ -42,14 +42,15 @@ static void normals_become_slopes(void **state) {
   const float coloured[4] = {(float)(0.5 + 0.5 * x), (float)(0.5 + 0.5 * y), (float)(0.5 + 0.5 * z),
                              0.123F};
   const float plain[3] = {(float)(2 * x), (float)(2 * y), (float)(2 * z)}; /* any length */
+  const float tiny[3] = {(float)(1e-5 * x), (float)(1e-5 * y), (float)(1e-5 * z)};
   const float slope[2] = {(float)(-x / z), (float)(-y / z)};
   for (int directx = 0; directx < 2; directx++)
-    for (int k = 0; k < 5; k++) {
-      const float *pixels[] = {coloured, coloured, coloured, plain, slope};
-      const int channels[] = {4, 3, 2, 3, 2};
-      shade_slope_options o = options_of(k < 3    ? SHADE_NORMALS_COLOUR
-                                         : k == 3 ? SHADE_NORMALS_SIGNED
-                                                  : SHADE_NORMALS_SLOPE,
+    for (int k = 0; k < 6; k++) {
+      const float *pixels[] = {coloured, coloured, coloured, plain, tiny, slope};
+      const int channels[] = {4, 3, 2, 3, 3, 2};
+      shade_slope_options o = options_of(k < 3   ? SHADE_NORMALS_COLOUR
+                                         : k < 5 ? SHADE_NORMALS_SIGNED
+                                                 : SHADE_NORMALS_SLOPE,
                                          SHADE_WRAP_REPEAT);
       o.directx = directx;
       shade_slope_map *m = create(pixels[k], 1, 1, channels[k], o);
