@@ -420,6 +420,99 @@ def test_what_the_module_is_told_of_cloth():
     assert trouble.endswith("; woven as its preset") and "draft" not in said and "weave" not in said
 
 
+def test_lobes_that_are_drawn_out():
+    """Alphas along the tangent and across it: alpha / a and alpha a, a^2 = 1 - .9 anisotropic; of the Glossy BSDF alpha (1 - a) and alpha / (1 - a),
+    below 0 the other way round; of the Metal node the way there and back."""
+    groove, metal, program = module("export.closure_groove"), module("metal_tree"), module("export.graph").Program
+    reader = Of(program=program())
+    for a, wanted in ((0.5, (0.1, 0.4)), (-0.5, (0.4, 0.1)), (0.0, (0.2, 0.2)), (-0.9, (1.0, 0.02))):
+        with replaced(groove, number_of=lambda *_which, a=a: a):
+            assert close(groove.pulled(reader, Of(inputs={"Anisotropy": 1}), (), 0.2), wanted), a
+    assert groove.pulled(reader, Of(inputs={}), (), 0.2) == (0.2, 0.2)
+    with replaced(groove, number_of=lambda *_which: 0.8, _groove=lambda *_which: "turned"):
+        alphas, to = groove.drawn_out(reader, Of(inputs={"Anisotropic": 1}), (), 0.2, "Anisotropic", "Rotation")
+        assert close(alphas, (0.2 / math.sqrt(0.28), 0.2 * math.sqrt(0.28))) and to == "turned"
+    with replaced(groove, number_of=lambda *_which: 0.0):
+        assert groove.drawn_out(reader, Of(inputs={"Anisotropic": 1}), (), 0.2, "Anisotropic", "Rotation") == ((0.2, 0.2), None)
+    asked = Of(program=program(), by_mesh=False)
+    for turns, wanted in ((0.25, (-3, 2)), (0.5, (-2, -3)), (1.0, (2, 3)), (0.0, (2, 3))):
+        with replaced(groove, number_of=lambda *_which, turns=turns: turns):
+            assert close(groove.rotated(asked, (2.0, 3.0), None, ()), wanted), turns
+            assert not asked.by_mesh
+    with replaced(groove, number_of=lambda *_which: 0.25):
+        assert close(groove.rotated(asked, None, None, ()), (0, 1)) and asked.by_mesh
+    assert close(metal.shape_of(0.1, 0.4), (0.04 ** 0.25, 0.5)) and close(metal.shape_of(0.4, 0.1), (0.04 ** 0.25, -0.5))
+    for alphas in ((0.1, 0.4), (0.4, 0.1), (0.3, 0.3), (0.01, 0.2)):
+        assert close(metal.alphas_of(*metal.shape_of(*alphas)), alphas), alphas
+    assert [metal.axis_vector(axis).index(max(metal.axis_vector(axis))) for axis in "XYZ"] == [0, 1, 2]
+    assert abs(metal.reflectance(1.5, 0.0, 1.0) - 0.04) < 1e-9 and abs(metal.reflectance(0.2, 3.9, 1.0) - (0.64 + 3.9**2) / (1.44 + 3.9**2)) < 1e-9
+    assert abs(metal.reflectance(1.5, 0.0, 0.0) - 1) < 1e-9
+
+
+def test_numbers_of_lobes():
+    """By what they are: an index and extinction reflect head-on what they are found for; 1.5 reflects .04."""
+    lobe, film, reader = module("export.closure_lobe"), module("export.closure_film"), Of(program=module("export.graph").Program())
+    assert close(lobe.head_on_of(reader, 1.5), 0.04) and close(lobe.eta_of(reader, 0.04), 1.5) and close(lobe.mean_of(reader, 0.3), 0.3 + 0.7 / 21)
+    assert close(lobe.eta_of(reader, 1.0), lobe.eta_of(reader, 0.99)) and close(lobe.eta_of(reader, -1.0), 1)
+    base = (0.2, 0.5, 0.95)
+    for edge in ((1.0, 0.5, 0.0), (0.3, 0.9, 1.0)):
+        eta, k = film._index_of(reader, base, edge)
+        for n, extinction, wanted in zip(eta, k, base):
+            assert n > 0 and extinction >= 0 and close(((n - 1) ** 2 + extinction**2) / ((n + 1) ** 2 + extinction**2), wanted, 1e-4), (wanted, n, extinction)
+    # two bounces of colour c between facets of which one is left: c + c c (1 - one) ... in the mean
+    one, mean = 0.8, 0.7
+    assert close(lobe.kept(reader, (0.5, 1.0), one, mean), [1 + part * mean / (1 - part * (1 - mean)) * (1 - one) / one for part in (0.5, 1.0)])
+    assert close(lobe.kept(reader, (1.0,), one, mean)[0] * one, 1.0)  # a white one keeps it all
+    made = lobe._alphas(0.25, 1e-9)
+    assert made["ax"] == 0.25 and made["ay"] == 1e-4 and close(made["ex"], 2 / 0.25**2 - 2) and "ax_from" not in made
+    assert [lobe.is_smooth(alpha) for alpha in (1e-4, 1e-3, 0.2)] == [True, False, False]
+
+
+def test_light_becomes_bytes_and_back():
+    image = module("export.image")
+    for light, byte in ((0.0, 0.0), (0.002, 0.02584), (0.2140411, 0.5), (1.0, 1.0), (3.0, 1.0), (-1.0, 0.0)):
+        for count, by_alpha, alpha in ((1, False, None), (3, True, None), (4, False, 0.5), (4, True, 0.5), (2, True, 0.25), (4, True, 0.0)):
+            shown = light * (alpha if by_alpha and alpha else 1.0)
+            data = np.array([shown] * (count - (count in (2, 4))) + [alpha] * (count in (2, 4)), np.float32)
+            image._encode(data, count, by_alpha)
+            assert np.allclose(data[:max(1, count - (count in (2, 4)))], byte, atol=1e-4), (light, count, by_alpha, data)
+            assert count not in (2, 4) or data[-1] == np.float32(alpha)
+    texels = np.linspace(0, 1, 33).astype(np.float32)
+    light = image._decoded(texels).astype(np.float32)
+    image._encode(light, 1, False)
+    assert np.allclose(light, texels, atol=1e-6) and image._bytes(np.array([0, 0.5, 1], np.float32))[0].tolist() == [0, 128, 255]
+    assert image._place(1001) == (0, 0) and image._place(1010) == (9, 0) and image._place(1011) == (0, 1) and image._place(1023) == (2, 2)
+    tiles = lambda *numbers: Of(source="TILED", tiles=[Of(number=number) for number in numbers])
+    assert image.tiles_of(tiles(1001, 1002, 1021)) == (2, 3) and image.tiles_of(Of(source="FILE")) == (1, 1)
+
+
+def test_what_is_inside_our_nodes_is_hidden():
+    """Of menus, by a name that begins with a point; and what was said of a node is red on it."""
+    common.empty_scene()
+    tree = common.tree_of(bpy.data.materials.new("all"))
+    for kind in ("LibshadeMetalNode", "LibshadeFabricNode", "LibshadeScratchesNode"):
+        assert tree.nodes.new(kind).node_tree.name.startswith("."), kind
+    report, drawn = module("report"), []
+
+    class Layout:
+        alert = False
+
+        def column(self, **_more):
+            drawn.append(Layout())
+            drawn[-1].lines = []
+            return drawn[-1]
+
+        def label(self, text, icon="NONE"):
+            self.lines.append((text, icon))
+
+        def context_pointer_set(self, *_which):
+            pass
+    with replaced(report, of_node=lambda _node: ["one", "word " * 20]):
+        assert report.draw_on(Of(width=140), Layout())
+    assert [column.alert for column in drawn] == [True, True] and drawn[0].lines == [("one", "ERROR")]
+    assert [icon for _text, icon in drawn[1].lines] == ["ERROR"] + ["NONE"] * (len(drawn[1].lines) - 1) and len(drawn[1].lines) == 5
+
+
 def run(tests):
     for name, test in list(tests.items()):
         if name.startswith("test_"):
