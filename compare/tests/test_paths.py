@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time to equal error: the error's formula, what a noisy reference takes off, the verdict."""
 import json
+import re
+import sys
 
 import numpy as np
 import pytest
 
 import paths
 import pictures
+import programs
 import whole
 
 COST = 0.65
@@ -96,3 +99,59 @@ def test_blocks_are_means_of_squares():
     for y in range(2):
         for x in range(3):
             assert found[y, x] == pytest.approx(picture[4 * y:4 * y + 4, 4 * x:4 * x + 4].mean((0, 1)))
+
+
+class Anything:
+    """Of Blender: whatever is set stays."""
+
+    def __init__(self, **parts):
+        self.__dict__.update(parts)
+
+
+# As both renderers are told: nothing that would end paths, clamp or filter light in one of them
+FAIR = {"seed": 7, "blur_glossy": 0, "sample_clamp_direct": 0, "sample_clamp_indirect": 0, "light_sampling_threshold": 0, "pixel_filter_type": "BOX",
+        "use_adaptive_sampling": False, "use_denoising": False, "filter_normals": False}
+
+
+def of_blender(name, monkeypatch, **bpy):
+    """A script that runs in Blender, as far as it stands without."""
+    monkeypatch.setitem(sys.modules, "bpy", Anything(**bpy))
+    monkeypatch.setitem(sys.modules, "mathutils", Anything(Vector=list, Matrix=list, Euler=list))
+    monkeypatch.setitem(sys.modules, "addon_utils", Anything())
+    path = programs.HERE / f"{name}.py"
+    given = {"__file__": str(path), "__name__": name}
+    exec(compile(re.split(r"^(?:main|run)\(", path.read_text(encoding="utf-8"), flags=re.M)[0], str(path), "exec"), given)
+    return given
+
+
+@pytest.mark.parametrize("engine", ["LIBSHADE", "CYCLES"])
+@pytest.mark.parametrize("place, bounces", [("studio", 4), ("room", 8)])
+def test_both_renderers_are_told_the_same(monkeypatch, engine, place, bounces):
+    told, other = ({name: None for name in (*FAIR, "samples", "max_bounces", "diffuse_bounces", "glossy_bounces")} for _ in "ab")
+    scene = Anything(render=Anything(image_settings=Anything()), view_settings=Anything(), libshade=Anything(**told), cycles=Anything(**other))
+    job = {"engine": engine, "scene": place, "size": 96, "samples": 33, "seed": 7, "output": "x.exr"}
+    of_blender("paths_render", monkeypatch)["set_render"](scene, job)
+    own, idle = (scene.libshade, scene.cycles) if engine == "LIBSHADE" else (scene.cycles, scene.libshade)
+    assert vars(own) == {**FAIR, "samples": 33, "max_bounces": bounces, "diffuse_bounces": bounces, "glossy_bounces": bounces}
+    assert set(vars(idle).values()) == {None}
+    render = scene.render
+    assert (render.engine, render.resolution_x, render.resolution_y, render.resolution_percentage, render.filepath) == (engine, 96, 96, 100, "x.exr")
+    assert vars(render.image_settings) == {"file_format": "OPEN_EXR", "color_depth": "32"} and not render.use_file_extension
+
+
+@pytest.mark.parametrize("engine", ["LIBSHADE", "CYCLES"])
+@pytest.mark.parametrize("was, size, now", [((1920, 1080), 480, (480, 272)), ((1080, 1920), 480, (272, 480)), ((4000, 16), 400, (400, 16)), ((100, 100), 200, (200, 200))])
+def test_files_of_others_are_rendered_at_one_size(monkeypatch, engine, was, size, now):
+    """By the longer side, both by 4; as the file has it, but for what would add to the picture."""
+    flags = "use_border use_compositing use_sequencer use_freestyle use_multiview use_stamp use_file_extension use_persistent_data".split()
+    render = Anything(resolution_x=was[0], resolution_y=was[1], image_settings=Anything(media_type="VIDEO"), threads_mode="AUTO", **dict.fromkeys(flags, True))
+    scene = Anything(render=render, libshade=Anything(samples=1, seed=1), cycles=Anything(samples=1, seed=1))
+    script = of_blender("real_files_render", monkeypatch, context=Anything(scene=scene), app=Anything(version=(5, 0)))
+    settings = script["set_render"]({"engine": engine, "size": size, "threads": 3})
+    assert settings is (scene.libshade if engine == "LIBSHADE" else scene.cycles)
+    assert (render.resolution_x, render.resolution_y) == now and render.engine == engine and not any(getattr(render, flag) for flag in flags)
+    assert (render.threads_mode, render.threads, render.use_single_layer) == ("FIXED", 3, True)
+    assert vars(render.image_settings) == {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_mode": "RGBA", "color_depth": "32"}
+    render.threads_mode = "AUTO"
+    script["set_render"]({"engine": engine, "size": size, "threads": 0})
+    assert render.threads_mode == "AUTO"
