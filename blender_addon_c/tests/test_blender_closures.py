@@ -134,6 +134,7 @@ CASES = [
     principled("filmed, half clear", Transmission_Weight=0.5, Roughness=0.3, **film(350.0, 1.8)),
     principled("filmed, clear and tinted", Transmission_Weight=1.0, Roughness=0.3, **film(350.0, 1.8),
                **{"Specular Tint": {"5.0": (0.3, 0.6, 1, 1)}}),
+    principled("filmed and tinted", Roughness=0.3, **film(350.0, 1.5), **{"Specular Tint": {"5.0": (0.3, 0.6, 1, 1)}}),
     principled("clear and tinted", Transmission_Weight=1.0, Roughness=0.3, **{"Specular Tint": {"5.0": (0.3, 0.6, 1, 1)}}),
     one("filmed dark tints", {"3.4": "BsdfGlossy", "5.0": "BsdfMetallic"}, {
         "Color": RED, "Base Color": (0.9, 0.6, 0.3, 1), "Edge Tint": (0.2, 0.5, 0, 1), "Roughness": 0.3, **film(250.0, 1.8)},
