@@ -245,22 +245,30 @@ def test_what_it_says_of_a_plate(kind, changes, many, truth, tmp_path):
     np.testing.assert_allclose(vectors(planes, *channels), expected, atol=error)
 
 
-def drawn_out_albedo(ax, ay, count=400):
-    """Of GGX from straight above, by a sum over half vectors."""
-    u, turn = ((np.arange(count) + 0.5) / count)[:, None], 2 * np.pi * (np.arange(count) + 0.5) / count
-    theta = 0.25 * np.pi * u  # half vectors beyond send light below
+def drawn_out_albedo(ax, ay, eye=(0, 0, 1), count=400):
+    """Of GGX, by a sum over half vectors; Smith's shadowing of both directions together."""
+    eye, turn = np.array(eye)[:, None, None], 2 * np.pi * (np.arange(count) + 0.5) / count
+    theta = 0.5 * np.pi * ((np.arange(count) + 0.5) / count)[:, None]
     h = np.stack(np.broadcast_arrays(np.sin(theta) * np.cos(turn), np.sin(theta) * np.sin(turn), np.cos(theta)))
     density = 1 / (np.pi * ax * ay * ((h[0] / ax)**2 + (h[1] / ay)**2 + h[2]**2)**2)
-    to = 2 * h[2] * h - np.array([0, 0, 1])[:, None, None]
-    shadow = 0.5 * np.sqrt(1 + ((ax * to[0])**2 + (ay * to[1])**2) / to[2]**2) + 0.5
-    return (density * h[2] / shadow * np.sin(theta)).sum() * 0.25 * np.pi * 2 * np.pi / count**2
+    along = (h * eye).sum(0)
+    to = 2 * along * h - eye
+
+    def hidden(d):
+        return 0.5 * np.sqrt(1 + ((ax * d[0])**2 + (ay * d[1])**2) / d[2]**2) - 0.5
+    lit = (along > 0) & (to[2] > 0)
+    value = density * along / eye[2] / (1 + hidden(eye) + np.where(lit, hidden(to), 0)) * np.sin(theta)
+    return np.where(lit, value, 0).sum() * 0.5 * np.pi * 2 * np.pi / count**2
 
 
 @pytest.mark.parametrize("ax, ay", [(0.5, 0.5), (0.05, 1.0), (0.6, 0.15)])
-def test_albedo_of_lobes_that_are_drawn_out(tmp_path, ax, ay):
+@pytest.mark.parametrize("angle, turn", [(0, 0), (60, 0), (60, 90), (50, 30)])
+def test_albedo_of_lobes_that_are_drawn_out(tmp_path, ax, ay, angle, turn):
+    """Seen from straight above, along it, across it and askew."""
+    eye = np.sin(np.radians(angle)) * np.array([np.cos(np.radians(turn)), np.sin(np.radians(turn)), 0]) + [0, 0, np.cos(np.radians(angle))]
     node = {"type": "ALBEDO", "alpha": [ax], "across": [ay], "along": [1.0, 0.0], "out": OUT[:3]}
-    planes, _ = dump(scene(materials=[material() | {"nodes": [node], "f0_from": OUT[:1] * 3}]), tmp_path / "d.exr")
-    np.testing.assert_allclose(vectors(planes, "Color", "RGB")[..., 0], drawn_out_albedo(ax, ay), rtol=0.01)
+    planes, _ = dump(scene(materials=[material() | {"nodes": [node], "f0_from": OUT[:1] * 3}], camera=ortho(0.2, 3 * eye)), tmp_path / "d.exr")
+    np.testing.assert_allclose(vectors(planes, "Color", "RGB")[..., 0], drawn_out_albedo(ax, ay, eye), rtol=0.01 if angle == 0 else 0.03)
 
 
 # How the UVs of a plate fall together: to v = 0, to a slanted line, to a point.
