@@ -9,7 +9,7 @@ import pytest
 
 from blender_runs import ENGINES, by_each, measured, rgba
 
-COST = 37
+COST = 37.4
 EXPORT = Path(__file__).parent.parent / "export"
 
 

@@ -15,7 +15,7 @@ import pytest
 from native_scenes import (ROOT, dump, image, material, mesh, native, ortho, persp, registers, render, scene, square, sun,
                            unit, vectors)
 
-COST = 5.0
+COST = 5.3
 
 KINDS = native.table()["nodes"]
 COLORS = np.random.default_rng(3).random((5, 7, 3), np.float32)

@@ -449,6 +449,38 @@ def test_lobes_that_are_drawn_out():
     assert abs(metal.reflectance(1.5, 0.0, 0.0) - 1) < 1e-9
 
 
+def test_what_a_material_gets_of_a_closure():
+    """By how it is read: as Cycles' own are or as ours; what weighs nothing is left out."""
+    added = module("export.closure_add")
+
+    def read(closure, weight=1.0, normal=None, color=None, **how):
+        reader = Of(**{"transport": False, "mutual": False, "bumped": None, "dumps": True, "coarse": {}, "filtered": {}, "colors": False, "closures": [], "below": {}, **how})
+        added.add(reader, dict(closure), weight, normal, color)
+        return reader.closures[0] if reader.closures else None
+    grey = {"closure": "METAL", "stock": True, "f0": (0.5,) * 3, "kd": (0.0,) * 3, "fresnel": "SCHLICK", "ax": 0.1, "ay": 0.1, "mdf": "ggx"}
+    dark, drawn = {**grey, "f0": added.BLACK}, {**grey, "ay": 0.3}
+    assert read(grey) == {**{key: value for key, value in grey.items() if key != "stock"}, "detail": "gram_schmidt"}
+    for closure, how, horizon in ((grey, {"bumped": [1, 2]}, "valid_reflection"), (dark, {"bumped": [1, 2]}, "hard"), (grey, {"bumped": [1, 2], "mutual": True}, "mutual"),
+                                  (dark, {"bumped": [1, 2], "mutual": True}, "hard"), (grey, {}, None), (grey, {"mutual": True}, "mutual"),
+                                  (grey, {"bumped": [1, 2], "dumps": False}, None), ({**grey, "stock": False}, {"bumped": [1, 2]}, None)):
+        assert read(closure, **how).get("horizon") == horizon, (closure["f0"], how)
+    for closure, transport, detail in ((drawn, True, None), (drawn, False, "gram_schmidt"), (grey, True, "gram_schmidt"), ({**grey, "ax_from": [3]}, True, None)):
+        assert read(closure, transport=transport).get("detail") == detail
+    shine, clear = {"closure": "EMISSION"}, {"closure": "TRANSPARENT"}
+    for closure, weight, wanted in ((clear, 0.0, False), (clear, (0, 0, 0.1), True), (clear, -1.0, False), (shine, (0, -1, 0), True), (shine, 0.0, False)):
+        assert bool(read(closure, weight)) == wanted, (closure, weight)
+    assert "weight" not in read(clear) and read(clear, 0.5)["weight"] == (0.5,) * 3 and read(clear, normal=[5, 6, 7])["normal"] == [5, 6, 7]
+    assert "pass_color" not in read(clear, color=(1, 2, 3)) and read(clear, color=[1, 2, 3], colors=True)["pass_color"] == (1, 2, 3)
+    for mdf, wide in (("ggx", False), ("beckmann", True), ("ward", True), ("ASHIKHMIN_SHIRLEY", True)):
+        made = read({**grey, "mdf": mdf}, normal=[5], filtered={5: ([8], [0.1, 0.2])})
+        assert (made["normal"], made.get("spread_from")) == (([8], [0.1, 0.2]) if wide else ([5], None)), mdf
+    warned = []
+    for alpha, strength, said in ((0.01, 1.0, True), (0.03, 1.0, False), (0.03, 2.0, True), (0.01, 0.4, False)):
+        warned.clear()
+        read({**grey, "ax": alpha, "ay": 0.5}, normal=[5], coarse={5: ("map", strength)}, warn=warned.append)
+        assert bool(warned) == said and all("normal map 'map' has 8 bits" in text for text in warned), (alpha, strength)
+
+
 def test_numbers_of_lobes():
     """By what they are: an index and extinction reflect head-on what they are found for; 1.5 reflects .04."""
     lobe, film, reader = module("export.closure_lobe"), module("export.closure_film"), Of(program=module("export.graph").Program())
