@@ -140,3 +140,26 @@ def test_what_is_kept_is_of_the_same_files(tmp_path, monkeypatch):
     monkeypatch.setitem(bench.ORDERS, "pan", {"size": 1})
     seen.append(bench.made_from(side, scene))
     assert len(set(seen)) == len(seen) and bench.made_from(side, scene) == seen[-1]
+
+
+def test_what_is_there_is_not_made_again(tmp_path, monkeypatch):
+    """Suzanne's scene is, by the older add-on; what POV-Ray reads of it and pictures are not."""
+    made = []
+    monkeypatch.setattr(bench, "FRAMES", tmp_path)
+    monkeypatch.setattr(bench, "ORDERS", {"plate": {"size": 8}})
+    monkeypatch.setattr(bench.pictures, "write_float", lambda path, _pixels: (path.touch(), made.append(path.name)))
+    monkeypatch.setattr(bench.report, "step", lambda text, _command, log, environment: made.append((text.split(" (")[0], log.name, environment["BLENDER_USER_SCRIPTS"])))
+    monkeypatch.setattr(bench.subprocess, "run", lambda words, **_options: made.append(words[-1].name))
+    monkeypatch.setattr(bench.plate, "normal_map", lambda _size: None)
+    older = bench.Side(tmp_path / "old", tmp_path)
+    scene = lambda name: bench.Scene(name, programs.ROOT / "x.py")
+    building, writing = (("Building suzanne.blend", "suzanne.log", str(tmp_path / "old/build/blender")),
+                         ("Writing it for POV-Ray", "suzanne.log", programs.ADD_ON["BLENDER_USER_SCRIPTS"]))
+    for names, wanted in ((["povray-suzanne"], ["normals.exr", "sky.exr", building, writing]), (["povray-suzanne"], [building]), (["suzanne"], [building]),
+                          (["pan"], []), (["povray-embossed"], ["basket.png"])):
+        made.clear()
+        bench.prepare([scene(name) for name in names], older)
+        assert made == wanted, names
+        (tmp_path / "povray").mkdir(exist_ok=True)
+        (tmp_path / "povray/meshes.inc").touch()
+    assert (tmp_path / "plate.json").exists()
