@@ -518,6 +518,29 @@ def test_light_becomes_bytes_and_back():
     assert image.tiles_of(tiles(1001, 1002, 1021)) == (2, 3) and image.tiles_of(Of(source="FILE")) == (1, 1)
 
 
+def test_what_keyframes_set_is_followed_once():
+    """Each of two nodes where what it says is another, and not again where it is the same."""
+    scene, nodes, followed = common.empty_scene(), module("nodes"), []
+    tree = common.tree_of(bpy.data.materials.new("animated"))
+    ours = [tree.nodes.new("LibshadeMetalNode") for _ in range(2)]
+    common.plane(bpy.data.materials["animated"], 1)
+    said = {1: "a", 2: "b", 3: "b"}
+    ours[0].id_data.animation_data_create()
+    with replaced(nodes, FOLLOWED={"LibshadeMetalNode": lambda node: (node.name, said[scene.frame_current])}), \
+            replaced(nodes.LibshadeMetalNode, follow=lambda node, _animated: followed.append(node.name)):
+        for frame, count in ((1, 2), (1, 0), (2, 2), (3, 0), (1, 2)):
+            followed.clear()
+            scene.frame_set(frame)
+            nodes._follow_animation(scene, bpy.context.evaluated_depsgraph_get())  # the frame's own handler may have been there before
+            assert sorted(followed) == (sorted(node.name for node in ours) if count else []), (frame, followed)
+        nodes._forget_followed()
+        followed.clear()
+        nodes._follow_animation(scene, bpy.context.evaluated_depsgraph_get())
+        assert len(followed) == 2
+        nodes._follow_animation(scene)
+        assert len(followed) == 2
+
+
 def test_what_is_inside_our_nodes_is_hidden():
     """Of menus, by a name that begins with a point; and what was said of a node is red on it."""
     common.empty_scene()
