@@ -532,13 +532,15 @@ def test_what_has_no_part_in_a_cloth_is_said(render, words, said):
 
 
 def test_notes_tell_a_block_once(render):
-    block = "finish { ambient 0 diffuse .4 mdf { ggx .1, .3 fresnel schlick specular rgb <.9, .7, .4> diffuse fibre .1 reflection { samples 7 clamp 3 } notes on } }"
+    block = ("finish { ambient .1 diffuse .4 emission rgb <.1, .1, .2> phong .3 specular .25 reflection .2 "
+             "mdf { ggx .1, .3 fresnel schlick specular rgb <.9, .9, .4> diffuse fibre .1 reflection { samples 7 clamp 3 } notes on } }")
     result = render(scene("".join(f"sphere {{ {i}*x, 1 texture {{ pigment {{ rgb .5 }} Finish }} }}\n" for i in range(3)).replace("Finish", block, 3)), (16, 12))
     text = " ".join(result.log.split())
     assert text.count("mdf block at ") == 3  # three blocks, three places
-    for part in ("lobe: ggx 0.1, 0.3; brdf ashikhmin_shirley, detail rotate, horizon valid_estevez", "colour: fresnel schlick, specular rgb <0.9, 0.7, 0.4>",
-                 "diffuse: fibre rgb 0.1", "strokes: along u of each object", "the finish adds to it: diffuse 0.4",
-                 "reflection: 7 rays at a hit, none brighter than 3"):
+    for part in ("lobe: ggx 0.1, 0.3; brdf ashikhmin_shirley, detail rotate, horizon valid_estevez", "colour: fresnel schlick, specular rgb <0.9, 0.9, 0.4>",
+                 "diffuse: fibre rgb 0.1", "strokes: along u of each object",
+                 "the finish adds to it: diffuse 0.4, specular 0.25, phong 0.3, emission rgb <0.1, 0.1, 0.2>, reflection rgb 0.2",
+                 "reflection: 7 rays at a hit, none brighter than 3; +A0.3 +AM2 takes most of their noise", "ambient rgb 0.1 gives the pigment's colour alone"):
         assert text.count(part) == 3, part
     declared = f"#declare F = {block}\n" + "".join(f"sphere {{ {i}*x, 1 texture {{ pigment {{ rgb .5 }} finish {{ F }} }} }}\n" for i in range(3))
     assert render(scene(declared), (16, 12)).log.count("mdf block at ") == 1
