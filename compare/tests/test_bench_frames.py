@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """bench_frames.py without a renderer: medians and quarters, which scenes are taken on, what it says of known times."""
+import pickle
 import subprocess
 import sys
+from types import SimpleNamespace as Of
 
 import numpy as np
 import pytest
@@ -163,3 +165,42 @@ def test_what_is_there_is_not_made_again(tmp_path, monkeypatch):
         (tmp_path / "povray").mkdir(exist_ok=True)
         (tmp_path / "povray/meshes.inc").touch()
     assert (tmp_path / "plate.json").exists()
+
+
+def test_what_a_scene_hands_over_is_taken(tmp_path, monkeypatch):
+    """In the place of the renderer: the frame, not pictures of another size on the way; a scene that renders without our engine is said."""
+    rendered, frame = [], Of(resolution_x=40, resolution_y=30, resolution_percentage=50, engine="CYCLES")
+    scene = Of(render=frame, libshade=Of(samples=1, max_bounces=2))
+    native = Of(start=lambda given, *before: rendered.append((given["width"], before)) or "a job")
+    handlers = Of(persistent=lambda function: function, render_init=[])
+
+    def render():
+        for handler in handlers.render_init:
+            handler(scene)
+        native.start({"width": 8, "height": 8}, "before")
+        native.start({"width": 20, "height": 15, "data": np.arange(3), "of": [1, None]})
+    bpy = Of(app=Of(handlers=handlers), context=Of(scene=scene), ops=Of(wm=Of(read_factory_settings=lambda: None, open_mainfile=lambda filepath: None),
+                                                                     preferences=Of(addon_enable=lambda module: None), render=Of(render=render)))
+    monkeypatch.setitem(sys.modules, "bpy", bpy)
+    monkeypatch.setitem(sys.modules, "libshade._native", native)
+    monkeypatch.setattr(sys, "argv", ["blender"])
+    path = programs.HERE / "bench_frames_export.py"
+    script = {"__file__": str(path), "__name__": "bench_frames_export"}
+    exec(compile(path.read_text(encoding="utf-8").split("\nmain(")[0], str(path), "exec"), script)
+    order = {"script": "a.blend", "arguments": ["x"], "output": str(tmp_path / "frame"), "percentage": 50, "samples": 9, "settings": {"max_bounces": 5, "none": 1}}
+    with pytest.raises(script["Taken"]):
+        script["take"](order)
+    assert rendered == [(8, ("before",))] and sys.argv == ["blender", "--", "x"]
+    assert frame.engine == "LIBSHADE" and frame.resolution_percentage == 50 and vars(scene.libshade) == {"samples": 9, "max_bounces": 5}
+    given = pickle.loads((tmp_path / "frame").read_bytes())
+    assert given["width"] == 20 and given["of"] == [1, None] and np.array_equal(given["data"], np.arange(3))
+    handlers.render_init.clear()
+    bpy.ops.render.render = lambda: None
+    with pytest.raises(RuntimeError, match="a.blend: rendered without our engine"):
+        script["take"](order)
+
+    def fails():
+        raise RuntimeError("no camera")
+    bpy.ops.render.render = fails
+    with pytest.raises(RuntimeError, match="no camera"):
+        script["take"](order)

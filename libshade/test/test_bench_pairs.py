@@ -44,8 +44,8 @@ def tool(tmp_path, monkeypatch):
     return make
 
 
-def pairs(*arguments, script=SCRIPT):
-    return subprocess.run([sys.executable, str(script), *map(str, arguments)], capture_output=True, text=True, timeout=60)
+def pairs(*arguments, script=SCRIPT, **options):
+    return subprocess.run([sys.executable, str(script), *map(str, arguments)], capture_output=True, text=True, timeout=60, **options)
 
 
 def test_a_slower_row_is_named(tool, tmp_path):
@@ -71,6 +71,8 @@ def test_the_median_counts_and_turns_alternate(tool, tmp_path):
     assert said.returncode == 0, said.stdout
     calls = [line.split()[0] for line in (tmp_path / "calls").read_text().splitlines()]
     assert calls == [before, after, after, before, before, after]
+    assert pairs(before, after, "--pairs", 1, "--what", "D", "--mdf", "ggx", "-o", "here.csv", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "here.csv").read_text().startswith("question,")
 
 
 @pytest.mark.parametrize("count, low, median, high", [(1, 1, 1, 1), (3, 1, 2, 3), (5, 2, 3, 4), (8, 3, 4.5, 6)])

@@ -75,6 +75,15 @@ def test_how_each_file_is_compiled(tmp_path):
     assert done.returncode == 1 and "make named no file that it compiles" in done.stderr
 
 
+def test_what_a_header_makes_again():
+    """Each rule of make that compiles an object of C notes which headers it has read, and those notes are read."""
+    for name in ("libshade/libshade.mk", "blender_addon_c/native.mk"):
+        text = (ROOT / name).read_text()
+        rules = re.findall(r"^\t.*\$\(CC\) (?:.*\\\n)*.* -c \$<.*$", text, re.M)
+        assert rules and all("-MMD" in rule for rule in rules), (name, rules)
+        assert re.search(r"^-include .*\.d\b", text, re.M), name
+
+
 def test_what_steps_cost(tmp_path):
     """Also of what fails, whose status and messages stay as they are."""
     timed = ROOT / "setup/timed.sh"
@@ -289,6 +298,8 @@ def test_supported_txt_claims_no_more_than_is_read():
         page._said("light", "SUN", "")
     assert page._said("node", "ShaderNodeNothing", "NOTHING") == ("not", "passed on") and page._said("camera", "NOTHING", "")[1] == "It is named."
     page = module.Page()
+    made = [part for part, lines in page.parts() if len(list(lines)) > 3]
+    assert made == re.findall(r"<!-- made: (\w+) -->", (ROOT / "docs/blender/supported.md").read_text(encoding="utf-8"))
     page.unused.add(("node", "NoSuch"))
     with pytest.raises(SystemExit, match=r"no Blender has \[\('node', 'NoSuch'\)\]"):
         page.text()
