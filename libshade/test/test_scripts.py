@@ -404,6 +404,7 @@ def test_a_debian_13_for_another_python(house, programs, tmp_path):
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     assert (root / "build/debian13").resolve() == cache.resolve() and sorted(path.name for path in (cache / "usr/lib").iterdir()) == ["a.deb", "b.deb"]
     assert os.readlink(cache / "bin") == "usr/bin" and not (cache / "apt").exists()
+    assert all((cache / name).is_dir() for name in ("dev", "proc", "opt", "tmp", "etc", "usr/sbin", "usr/lib64"))  # some to mount on
     assert any(line.endswith("download python3.13:amd64 libc6:amd64") for line in log) and sum("update" in line for line in log) == 1
     environment = cache / "opt/bpy-5.2"
     assert (environment / "lib/python3.13/site-packages/bpy").exists() and os.readlink(environment / "bin/python") == "/usr/bin/python3.13"
