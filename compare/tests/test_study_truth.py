@@ -60,14 +60,16 @@ def test_without_bumps_all_methods_are_the_truth(tmp_path, base):
     assert max(row["error"] for row in rows) < 1e-3  # where the ray meets the base to 1e-12
 
 
-def test_the_brdf_is_the_one_asked_for(tmp_path):
-    """GGX over a flat plate by its own microfacet BRDF: D G2 / 4 cos, from above."""
-    displacement.run("pictures", tmp_path / "o.csv", "--slope", 0, "--first", 0.3, "--second", 0.3, "--mdf", "ggx", "--brdf", "microfacet", "--size", 8,
+@pytest.mark.parametrize("brdf", ["microfacet", "ashikhmin_shirley"])
+def test_the_brdf_is_the_one_asked_for(tmp_path, brdf):
+    """GGX over a flat plate from above: D G2 / 4 cos, or with Ashikhmin and Shirley's denominator D / 4 (h wo) max(cos)."""
+    displacement.run("pictures", tmp_path / "o.csv", "--slope", 0, "--first", 0.3, "--second", 0.3, "--mdf", "ggx", "--brdf", brdf, "--size", 8,
                      "--methods", "none", "--picture", tmp_path / "o.pfm")
     h = (SUN + UP) / np.linalg.norm(SUN + UP)
     hidden = 0.5 * np.sqrt(1 + 0.3**2 * (1 - SUN[2]**2) / SUN[2]**2) - 0.5
     density = 0.3**2 / np.pi / (h[2]**2 * (0.3**2 - 1) + 1) ** 2
-    np.testing.assert_allclose(displacement.read_pfm(tmp_path / "o.pfm")[:, :8], density / (1 + hidden) / 4, rtol=1e-6)
+    expected = density / (1 + hidden) / 4 if brdf == "microfacet" else density * SUN[2] / (4 * h[2])
+    np.testing.assert_allclose(displacement.read_pfm(tmp_path / "o.pfm")[:, :8], expected, rtol=1e-6)
 
 
 def test_lobes_of_no_tilt_and_of_known_ones(tmp_path):
