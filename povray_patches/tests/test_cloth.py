@@ -5,7 +5,7 @@ import pytest
 
 from scenes import SUN, scene
 
-COST = 71.5
+COST = 72.3
 
 CLOTHS = ("silk_charmeuse", "silk_shantung", "denim", "gabardine", "linen", "wool_flannel", "polyester_lining",
           "shot_taffeta", "herringbone_tweed")
@@ -288,7 +288,7 @@ def test_a_draft_without_spacing_is_square(render, tmp_path):
     (tmp_path / "bare.wif").write_text(bare)
     (tmp_path / "thick.wif").write_text(bare.replace("[WEFT]\n", "[WEFT]\nThickness=.05\n"))
     for words, u, v, note in (('draft "bare.wif"', 147, 147, "73.4847 to the centimetre"), ('draft "thick.wif"', 40, 40, "20 to the centimetre"),
-                              ('draft "bare.wif" picks_per_cm 30', 60, 60, ""), ('ends_per_cm 50 draft "bare.wif" crossings <3, 5>', 3, 5, "")):
+                              ('draft "bare.wif" picks_per_cm 30', 60, 60, ""), ('draft "thick.wif" ends_per_cm 50 picks_per_cm 30', 100, 60, ""), ('ends_per_cm 50 draft "bare.wif" crossings <3, 5>', 3, 5, "")):
         result = render(scene(sheet() + cloth(f'preset "silk_charmeuse" mm_per_unit 20 {words}') + "}", SUN, FRONT), size=(16, 16))
         assert result.dump.uv[0, -1] == pytest.approx([u * 31 / 32, v * 31 / 32], rel=1e-3)
         said = " ".join(result.message.split())
@@ -301,6 +301,12 @@ def test_the_colours_of_a_draft_are_all_that_dyes_its_yarns(render, tmp_path):
             for words in ("", "yarns { diffuse rgb 1 }", "weft { diffuse rgb .5 }", "warp { diffuse rgb .5 }")]
     assert seen[0] == pytest.approx(seen[1], rel=1e-6)
     assert seen[2].sum() < .95 * seen[0].sum() and seen[3].sum() < .95 * seen[0].sum()
+    for words, colours, shadows in (("", True, True), ("draft_colors off shadows off", False, False), ("draft_colors off draft_colors on shadows on", True, True)):
+        dump = render(scene(sheet() + cloth(f'draft "two.wif" mm_per_unit 20 yarns {{ diffuse rgb .5 }} {words}') + "}", header=FRONT), size=(24, 24)).dump
+        said = dump.header["materials"][0]["fabric"]["cloth"]
+        assert (said["draft_colors"], said["shadows"]) == (colours, shadows), words
+        tint = dump.S.sum((1, 2)) / dump.E.sum((1, 2))  # by lamp
+        assert ((np.ptp(tint, axis=1) > .05 * tint.mean(1)) == colours).all(), tint
 
 
 @pytest.mark.parametrize("colour", ["<.7, .3, .1>", "<.1, .5, .8>"])
