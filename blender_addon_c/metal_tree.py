@@ -2,6 +2,8 @@
 """What other renderers see of the metal node: an Anisotropic BSDF behind Libshade Groove, whose grooves follow
 bumps. Older files have less inside, or a Principled BSDF, and keep it."""
 
+from math import tau
+
 from . import groove, working_space
 from .group import like_pattern, new_socket, say
 
@@ -15,8 +17,9 @@ _INSIDE = {_SHADER, _MATT, _GROOVE, _FRESNEL, _COLOR}
 _ACROSS, _STROKES = "Across", "Strokes"
 _EITHER, _ROUND, _AXIS, _MAP, _MAPLESS = "Either", "Tangent", "Axis", "UV Map", "Mapless"
 _EDGE, _DIP = "Edge", "Dip"
-# Nor of strokes: their places, sizes, shares of a point, and what they make of Roughness
-_STROKES_PLACE, _STROKES_MAP, _SIZES, _SHARE, _WORN = "Place", "Place in UV Map", "Sizes", "Share of Strokes", "Worn"
+# Nor of strokes: their places, those turned by Rotation, sizes, shares of a point, and what they make of Roughness
+_STROKES_PLACE, _STROKES_MAP, _TURNED, _SIZES, _SHARE, _WORN = (
+    "Place", "Place in UV Map", "Turned", "Sizes", "Share of Strokes", "Worn")
 # Of Cycles' distributions the nearest.
 _DISTRIBUTION = {"ASHIKHMIN_SHIRLEY": "ASHIKHMIN_SHIRLEY", "GGX": "GGX"}
 AT_82 = (6 / 7) ** 5  # Schlick's share of white at a cosine of 1/7
@@ -26,6 +29,7 @@ TINTED = ("SCHLICK", "F82")  # Fresnels that Edge Tint tells
 # What strokes are like: alphas there, less those between; octaves after the coarsest, and how much weaker each is; their contrast;
 # widths in a length, and lengths round an axis.
 ROUGHER, OCTAVES, UNEVEN, CONTRAST, LENGTHS, A_TURN = 4.0, 8.0, 0.75, 1.2, 40.0, 0.5
+_STEPS = 72  # of a turn, by which strokes turn: places that a texture turned by less and less would be sheared
 
 
 def axis_vector(axis):
@@ -110,7 +114,7 @@ def _fill(tree, color):
     link(_color(tree, new, inputs.outputs, group.outputs["Normal"]), shader.inputs["Color"])
     for name in (*SHAPE, "Rotation"):
         link(inputs.outputs[name], shader.inputs[name])
-    _strokes(tree, new, inputs.outputs["Roughness"])
+    _strokes(tree, new, inputs.outputs["Roughness"], inputs.outputs["Rotation"])
     across, strokes = new("ShaderNodeMath", 200, -350, _ACROSS), new("ShaderNodeMix", 400, -250, _STROKES)
     across.operation, strokes.data_type = "LESS_THAN", "VECTOR"
     across.inputs[1].default_value = 0.0
@@ -215,13 +219,13 @@ def _tangent(tree, new, given):
     return where(given, given, where(uv.outputs[0], round_.outputs[0], axis.outputs[0], -400, _MAPLESS), -100, _EITHER)
 
 
-def _strokes(tree, new, roughness):
+def _strokes(tree, new, roughness, rotation):
     """What the tool left, as far as noise of Cycles' tells it: a factor of Roughness, which feeds the shader where there are strokes."""
     link = tree.links.new
     place, uv, sizes = new("ShaderNodeTexCoord", -300, -900), new("ShaderNodeUVMap", -300, -1150, _STROKES_MAP), new(
         "ShaderNodeVectorMath", -100, -900, _SIZES)
-    noise, share, root, worn = (new(f"ShaderNode{kind}", x, -900, name) for kind, x, name in (
-        ("TexNoise", 100, ""), ("MapRange", 300, _SHARE), ("Math", 500, ""), ("Math", 700, _WORN)))
+    turned, noise, share, root, worn = (new(f"ShaderNode{kind}", x, -900, name) for kind, x, name in (
+        ("VectorRotate", -200, _TURNED), ("TexNoise", 100, ""), ("MapRange", 300, _SHARE), ("Math", 500, ""), ("Math", 700, _WORN)))
     place.name = _STROKES_PLACE
     sizes.operation, root.operation, worn.operation, worn.use_clamp = "MULTIPLY", "POWER", "MULTIPLY", True
     noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = 1.0, OCTAVES
@@ -229,16 +233,43 @@ def _strokes(tree, new, roughness):
     # even noise is .5 +- about a quarter; alphas are squares of roughness
     share.inputs["From Min"].default_value, share.inputs["From Max"].default_value = 0.25, 0.75
     share.inputs["To Min"].default_value, root.inputs[1].default_value = 1.0, 0.5
-    for source, target in ((place.outputs["Object"], sizes.inputs[0]), (sizes.outputs[0], noise.inputs["Vector"]),
+    turned.invert = True
+    link(_faced(tree, new), turned.inputs["Axis"])
+    steps, step, angle = (new("ShaderNodeMath", x, -1300) for x in (-500, -350, -200))
+    steps.operation, step.operation, angle.operation = "MULTIPLY", "ROUND", "MULTIPLY"
+    steps.inputs[1].default_value, angle.inputs[1].default_value = _STEPS, tau / _STEPS
+    for source, target in ((rotation, steps.inputs[0]), (steps.outputs[0], step.inputs[0]), (step.outputs[0], angle.inputs[0]),
+                           (angle.outputs[0], turned.inputs["Angle"]),
+                           (place.outputs["Object"], turned.inputs["Vector"]), (turned.outputs[0], sizes.inputs[0]),
+                           (sizes.outputs[0], noise.inputs["Vector"]),
                            (noise.outputs[0], share.inputs["Value"]), (share.outputs[0], root.inputs[0]),
                            (root.outputs[0], worn.inputs[0]), (roughness, worn.inputs[1])):
         link(source, target)
     uv.location = (-300, -1150)
 
 
+def _faced(tree, new):
+    """The axis of the object that a face looks along most."""
+    link = tree.links.new
+    normal, into, size, parts, largest, whole, below, share, only = (new(f"ShaderNode{kind}", -1500 + 150 * k, -1500) for k, kind in enumerate((
+        "NewGeometry", "VectorTransform", "VectorMath", "SeparateXYZ", "Math", "Math", "Math", "VectorMath", "VectorMath")))
+    floor = new("ShaderNodeVectorMath", -100, -1500)
+    into.vector_type, into.convert_from, into.convert_to = "NORMAL", "WORLD", "OBJECT"
+    size.operation, largest.operation, whole.operation, below.operation = "ABSOLUTE", "MAXIMUM", "MAXIMUM", "MULTIPLY"
+    below.inputs[1].default_value = 1.0 - 1e-4
+    share.operation, floor.operation, only.operation = "DIVIDE", "FLOOR", "MULTIPLY"
+    for source, target in ((normal.outputs["True Normal"], into.inputs[0]), (into.outputs[0], size.inputs[0]), (size.outputs[0], parts.inputs[0]),
+                           (parts.outputs[0], largest.inputs[0]), (parts.outputs[1], largest.inputs[1]), (largest.outputs[0], whole.inputs[0]),
+                           (parts.outputs[2], whole.inputs[1]), (whole.outputs[0], below.inputs[0]), (size.outputs[0], share.inputs[0]),
+                           (below.outputs[0], share.inputs[1]), (share.outputs[0], floor.inputs[0]), (floor.outputs[0], only.inputs[0]),
+                           (into.outputs[0], only.inputs[1])):
+        link(source, target)
+    return only.outputs[0]
+
+
 def _update_strokes(tree, by):
     inner, strength = tree.nodes, getattr(by, "strokes", 0.0)
-    if _WORN not in inner:
+    if _TURNED not in inner:
         return
     target, worn = inner[_SHADER].inputs["Roughness"], inner[_WORN]
     if strength > 0:
@@ -252,8 +283,10 @@ def _update_strokes(tree, by):
     along = across / LENGTHS
     source, sizes = (inner[_STROKES_MAP].outputs[0], (along, across, 0.0)) if kind == "UV" else (
         inner[_STROKES_PLACE].outputs["Object"], tuple(along if (part == axis) == (kind == "AXIS") else across for part in "XYZ"))
-    if inner[_SIZES].inputs[0].links[0].from_socket != source:
-        tree.links.new(source, inner[_SIZES].inputs[0])
+    turned = inner[_TURNED]
+    if turned.inputs["Vector"].links[0].from_socket != source:
+        tree.links.new(source, turned.inputs["Vector"])
+    say(turned, "rotation_type", "Z_AXIS" if kind == "UV" else "AXIS_ANGLE")
     say(inner[_SIZES].inputs[1], "default_value", sizes)
     say(inner[_STROKES_MAP], "uv_map", by.uv_map)
 

@@ -21,7 +21,7 @@ def metal(reader, node, groups, share):
     if nodes.sockets_rule(node, nodes.SHAPE):
         parts["alpha"] = pulled(reader, node, groups, alpha_of(reader, node, groups))
     if is_worn(node):
-        worn(reader, node, settings, parts)
+        worn(reader, node, groups, settings, parts)
     for part, names in (("kd", nodes.MATT_COLOR), ("f82", nodes.EDGE)):
         if nodes.sockets_rule(node, names) or part == "f82" and nodes.colors_rule(node):
             tint = color_of(reader, node.inputs[names[0]], groups)

@@ -350,6 +350,30 @@ def groove_in(tree):
     return group
 
 
+def turned_strokes(folder):
+    """What the tool left, turned with the highlight: on a plate, by a map and by one that is mirrored, on a mirrored object, round the
+    middle, and by a texture that turns on from below to above."""
+    turned = {"axis": "AXIS_X", "map": "UV", "mirrored_map": "UV", "mirrored": "AXIS_X", "round": "RADIAL_Z", "textured": "AXIS_X"}
+    for engine, word in (*(("LIBSHADE", word) for word in turned), ("CYCLES", "axis"), ("CYCLES", "map")):
+        scene = new_scene(engine)
+        material, tree, node = common.metal("strokes")
+        node.grain, node.strokes, node.stroke_width = turned[word], 1.0, 60.0
+        for name, value in (("Roughness", 0.5), ("Anisotropy", 0.5), ("Rotation", 0.1)):
+            node.inputs[name].default_value = value
+        if word == "textured":
+            place, part, by = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "SeparateXYZ", "Math"))
+            by.operation, by.inputs[1].default_value, by.inputs[2].default_value = "MULTIPLY_ADD", 0.1, 0.1
+            for source, target in ((place.outputs["Object"], part.inputs[0]), (part.outputs["Y"], by.inputs[0]), (by.outputs[0], node.inputs["Rotation"])):
+                tree.links.new(source, target)
+        plate_shown = common.plane(material)
+        plate_shown.scale.x = -1 if word == "mirrored" else 1
+        for corner in plate_shown.data.uv_layers[0].data if word == "mirrored_map" else ():
+            corner.uv.x *= -1
+        if word == "round":  # to the right of the middle, where circles run along y
+            scene.camera.location.x, scene.camera.data.ortho_scale = 0.7, 0.3
+        common.render(os.path.join(folder, f"{engine.lower()}_strokes_{word}.exr"))
+
+
 def operator():
     """Reroutes, tangents that nothing feeds, groups, shaders that are not concerned."""
     common.empty_scene()
@@ -412,5 +436,6 @@ if __name__ == "__main__":
     sockets(folder)
     grains(folder)
     edges(folder)
+    turned_strokes(folder)
     print("all asserted", flush=True)
     common.finish()
