@@ -72,14 +72,13 @@ class Table:
         self.shaders.append(shader)
         return len(self.materials) + len(self.shaders)
 
-    def index(self, material, drawn=True, held=False, of_points=False, of_strands=False):
-        """Index of a material; None is an empty slot. Not drawn: no light, whatever it shines with. Held: a hole in
-        the picture. Of points: of a cloud; of strands: of hair."""
+    def index(self, material, drawn=True, *how):
+        """Index of a material; None is an empty slot. Not drawn: no light, whatever it shines with. how: as Reader has it."""
         if not drawn:
-            return self._undrawn(material, held, of_points, of_strands)
-        key = (material, held, of_points, of_strands)
+            return self._undrawn(material, *how)
+        key = (material, *how)
         if key not in self._indices:
-            reader = Reader(self, self._messages, material, held, of_points, of_strands)
+            reader = Reader(self, self._messages, material, *how)
             self._indices[key] = len(self.materials)
             self.materials.append(reader.read())
             for (name, kind), made in self.aovs.items():
@@ -90,10 +89,10 @@ class Table:
             self._measured.append(reader.measured)
         return self._indices[key]
 
-    def _undrawn(self, material, held, of_points, of_strands):
-        key = (material, held, of_points, of_strands, "undrawn")
+    def _undrawn(self, material, *how):
+        key = (material, *how, "undrawn")
         if key not in self._indices:
-            like = self.index(material, held=held, of_points=of_points, of_strands=of_strands)
+            like = self.index(material, True, *how)
             self._indices[key] = len(self.materials)
             self.materials.append({**self.materials[like], "drawn": False})
             for made in self.aovs.values():
@@ -144,14 +143,19 @@ class Table:
         return next((self._uv_maps[i] or "" for i in indices if self._measured[i]), None)
 
 
+POINTS, STRANDS, MAPLESS = "points", "strands", "mapless"
+
+
 class Reader:
     """One material, and what its nodes found out: `uv_map`, its main one, None if nothing asks for any,
-    and other `layers`; the `program`, what outputs say that are `known`, and `closures`."""
+    and other `layers`; the `program`, what outputs say that are `known`, and `closures`. Held: it is a hole in the picture.
+    kind: POINTS of a cloud, STRANDS of hair, MAPLESS of a mesh without a UV map."""
 
     has_surface = True
 
-    def __init__(self, table, messages, material, held=False, of_points=False, of_strands=False):
-        self._held, self.of_points, self.of_strands = held, of_points, of_strands
+    def __init__(self, table, messages, material, held=False, kind=""):
+        self._held, self._kind = held, kind
+        self.of_points, self.of_strands, self.mapless = (kind == one for one in (POINTS, STRANDS, MAPLESS))
         self.transport, self.mutual, self.colors, self.averages = table.transport, table.mutual, table.colors, table.averages
         self.filters, self.images, self._table = table.filters, table.images, table
         self.dumps = table.dumps
@@ -201,7 +205,7 @@ class Reader:
 
     def read_aov(self, name, kind):
         """What it says by that name, after it was read."""
-        other = Reader(self._table, self._messages, self._material)
+        other = Reader(self._table, self._messages, self._material, kind=self._kind)
         other.uv_map, other.layers, other.measured = self.uv_map, self.layers, self.measured
         other.colors = other.filters = False
         own = tree.of(self._material) if self._material else None

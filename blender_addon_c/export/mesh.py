@@ -5,6 +5,7 @@ import numpy as np
 
 from . import normals
 from .layers import data_of, integers, read, uv_layer, uvs_of
+from .material import MAPLESS
 from .size import before_modifiers, unit_size
 
 
@@ -115,5 +116,6 @@ def _triangle_materials(mesh, slots, way, table):
         slot = read(mesh.loop_triangles, "material_index", 1, np.int32).clip(0, len(slots) - 1)
     indices = np.zeros(len(slots), np.int32)
     used = np.flatnonzero(np.bincount(slot))
-    indices[used] = [table.index(slots[i], *way) for i in used]
+    kind = () if mesh.uv_layers else (MAPLESS,)
+    indices[used] = [table.index(slots[i], *way, *kind) for i in used]
     return indices[slot], indices[used].tolist()

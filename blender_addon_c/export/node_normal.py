@@ -7,7 +7,7 @@ from .. import versions
 from . import tree
 from .graph import is_known
 from .node_image import image_of, is_cubic, is_plain
-from .node_place import layer, of_object, place
+from .node_place import layer, of_object, place, round_tangent
 from .value import Value, each, dot, framed, normal_of, number_in, number_of, surface_normal, three, unit, value_of, vector_in
 
 def _normal_map(reader, found):
@@ -28,7 +28,8 @@ def _normal_map_of(reader, found, strength, mixed=1.0):
     node = found.node
     if node.space != "TANGENT":
         return _normal_of_space(reader, found, strength)
-    own, down = reader.is_main(node.uv_map), _points_down(node)
+    mapless, down = reader.mapless and not node.uv_map, _points_down(node)
+    own = not mapless and reader.is_main(node.uv_map)
     color = tree.trace(node.inputs["Color"], found.groups)
     if color.node and color.node.type == "TEX_IMAGE" and color.output.name == "Color":
         _check_normal_image(reader, color.node.image)
@@ -47,7 +48,7 @@ def _normal_map_of(reader, found, strength, mixed=1.0):
             return Value("NORMAL", normal)
     elif color.node is None:
         reader.warn(f"'{node.name}' has no image")
-    tangent = {} if own else {"tangent": layer(reader, "TANGENT", node.uv_map)}
+    tangent = {} if own else {"tangent": (*round_tangent(reader, "Z"), 1.0) if mapless else layer(reader, "TANGENT", node.uv_map)}
     given = {"color": _color_of(reader, found), "strength": [strength], **tangent}
     normal = reader.program.emit("PERTURB", **given)
     reader.below[normal[0]] = reader.program.emit("PERTURB", below=True, **given)

@@ -202,8 +202,10 @@ def _along_surface(reader, vector):
 
 
 def tangent_of(reader, node):
-    """What a Tangent node says; None where it is the mesh's own."""
-    return round_tangent(reader, node.axis) if node.direction_type == "RADIAL" else tangent_of_map(reader, node.uv_map)
+    """What a Tangent node says; None where it is the mesh's own. Without a UV map those of Cycles run round the object."""
+    if node.direction_type == "RADIAL":
+        return round_tangent(reader, node.axis)
+    return round_tangent(reader, "Z") if reader.mapless and not node.uv_map else tangent_of_map(reader, node.uv_map)
 
 
 def tangent_of_map(reader, name):

@@ -13,7 +13,7 @@ from .aov import OCCLUSION, wanted_of
 from .camera import rows
 from .kept import owners_of
 from .light import Links, kinds, light_of, name_shading
-from .material import Table
+from .material import POINTS, STRANDS, Table
 from .matte import Mattes
 from .mesh import mesh_of
 from .motion import Still
@@ -231,7 +231,7 @@ def _shapes(item, depsgraph, motion, messages):
         points = strands.of_points(ob.data)
         if len(points.places):
             yield _Shape((ob.data, len(points.places)), owner, slots, lambda way, table, _messages: strands.ball(
-                len(points.places), owner, table.index((slots or [None])[0], *way, True)), points)
+                len(points.places), owner, table.index((slots or [None])[0], *way, POINTS)), points)
     if item.show_particles and ob.type == "MESH":
         matrix = item.matrix_world
         for modifier, system in strands.hairs(ob):
@@ -249,7 +249,7 @@ def _is_volume(ob):
 
 
 def _tubes(hair, matrix, owner, material, way, table):
-    number = table.index(material, *way, of_strands=True)
+    number = table.index(material, *way, STRANDS)
     return strands.tubes(hair, matrix, owner, number, table.layers_of([number]))
 
 

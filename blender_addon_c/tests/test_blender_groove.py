@@ -74,10 +74,10 @@ def test_grooves_follow_bumps_in_cycles(blender, tmp_path):
         bends = word in ("round", "textured")
         assert abs(angle - (126 if word == "round" else 36)) < (8 if bends else 3) and clear > 0.8, (engine, word, angle, clear)
     # where strokes run without a tangent
-    for word in ("UV", "UVswapped", "RADIAL_Y", "AXIS_X", "IGNORE", "MAPLESS"):
+    for word in ("UV", "UVswapped", "RADIAL_Y", "AXIS_X", "IGNORE", "MAPLESS", "stock"):
         error = off(picture("grain_" + word, "libshade"), picture("grain_" + word))
         print("grain", word, error)
-        assert error < 0.01, word
+        assert error < (0.03 if word == "stock" else 0.01), word  # Cycles' tangents of stock nodes are those of corners, and between
     grains = [picture("grain_" + word) for word in ("UV", "UVswapped", "RADIAL_Y", "AXIS_X")]
     assert min(off(a, b) for a in grains for b in grains if a is not b) > 0.05
     assert off(picture("grain_IGNORE"), picture("grain_UV")) < 1e-6

@@ -462,7 +462,7 @@ static void nearest_tangent(const double n[3], const float *from, float t[4]) {
   normalise(v);
   for (int i = 0; i < 3; ++i)
     t[i] = (float)v[i];
-  t[3] = from ? from[3] : 1;
+  t[3] = from ? from[3] : -1; /* as MikkTSpace: no area is not one that keeps its sense */
 }
 
 static int has_direction(const float t[4]) {

@@ -305,7 +305,7 @@ static void test_flat_joins(void **state) {
     assert_true(angle_degrees(m.tangent + 4 * c, expected) < 1e-2);
     assert_true(m.tangent[4 * c + 3] == -1);
   }
-  assert_true(m.tangent[4 * 2 + 3] == 1);
+  assert_true(m.tangent[4 * 2 + 3] == -1);
   free_mesh(&m);
 }
 
@@ -429,7 +429,7 @@ static void test_no_uv_at_all(void **state) {
   memset(m.uv, 0, 6 * m.triangles * sizeof *m.uv);
   assert_int_equal(solve(&m), 3 * (long)m.triangles);
   for (size_t c = 0; c < 3 * m.triangles; c++)
-    assert_true(m.tangent[4 * c + 3] == 1);
+    assert_true(m.tangent[4 * c + 3] == -1);
   free_mesh(&m);
 }
 
@@ -465,7 +465,7 @@ static void test_beside_others(void **state) {
   for (int c = 3; c < 5; c++)
     for (int k = 0; k < 4; k++)
       assert_true(m.tangent[4 * c + k] == m.tangent[k]);
-  assert_true(m.tangent[4 * 5] == 1);
+  assert_true(m.tangent[4 * 5] == 1 && m.tangent[4 * 5 + 3] == -1);
   free_mesh(&m);
 }
 

@@ -213,7 +213,7 @@ static void fill_record(const build *b, size_t index, size_t t, unsigned turn, t
     turned(sh->matrix, 4, tangent, v);
     if (!normalized(v, row + 3))
       row[3] = row[4] = row[5] = 0.0f; /* stage_surface finds one */
-    if (tangent[3] < 0.0f)             /* corners without a UV direction say +1 */
+    if (tangent[3] < 0.0f)             /* all three, or those beside a corner without a direction */
       out->handed = -1.0f;
     for (unsigned axis = 0; m->corner_uv && axis < 2; axis++) {
       float uv = m->corner_uv[2 * corner + axis];

@@ -28,7 +28,7 @@ extern "C" {
  * rounding, or in space adds nothing, and its corners take the tangents of their neighbours. A
  * corner that has none takes one at the same position, made orthogonal to its normal, with its
  * handedness. Where there is none either it takes the X axis, or the Y axis where the normal lies
- * along X, and handedness +1. Non-finite input counts as 0.
+ * along X, and handedness -1. Non-finite input counts as 0.
  *
  * Corners are matched by value, so that indexed and unindexed meshes give the same result. Time
  * and scratch memory are linear in the corners: 25 bytes a corner, and 9 a position.
