@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Materials of the kinds that public libraries hold: does our engine show what Cycles of the same Blender shows?
 
-materials_list.py builds them by stock nodes. Each is shown on a ball and a box, as real_files.py shows materials of
-files and by its judgement: every other one in Blender 3.4, the rest in PyPI's bpy, or all in --blender. Pictures, and
+materials_list.py builds them by stock nodes. Each is shown on a ball and a box, or on hair, as real_files.py shows materials
+of files and by its judgement: every other one in Blender 3.4, the rest in PyPI's bpy, or all in --blender. Pictures, and
 results.csv with the warnings that our engine gave, are in --output; a second run renders what is new. Exit status 1
-where less than --share of them are within --limit.
+where less than --share of them are within --limit. With --results all are shown in both Blenders, with grooves that
+follow bumps and without, and docs/results/materials.txt keeps what is found.
 """
 import argparse
 import hashlib
@@ -20,6 +21,7 @@ import materials_list
 import programs
 import real_files
 import report
+import results as kept
 import whole
 
 VERSIONS = ("3.4", "5.0")
@@ -30,6 +32,8 @@ def arguments(argv=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--filter", default="", metavar="WORDS", help="only those whose name or Blender match this pattern")
     parser.add_argument("--blender", choices=VERSIONS, help="all in this one (default turn by turn)")
+    parser.add_argument("--grooves", action="store_true", help="with *Grooves Follow Bumps*, as our engine comes (default off, as Cycles)")
+    parser.add_argument("--results", action="store_true", help="keep all in docs/results/materials.txt")
     parser.add_argument("--list", action="store_true", help="show which, render nothing")
     parser.add_argument("--size", type=int, default=96, help="pixels along the longer side (default 96)")
     parser.add_argument("--noise", type=float, default=0.015, help="two seeds of an engine are to agree within this (default .015)")
@@ -43,10 +47,11 @@ def arguments(argv=None):
 def listed(options):
     """As rows of real_files.csv; `version` is that of the material's own lines."""
     rows = []
-    for number, (name, build) in enumerate(materials_list.BUILDERS.items()):
-        lines = hashlib.sha256(inspect.getsource(build).encode()).hexdigest()[:12]
-        rows.append({"source": "made", "package": "materials", "version": lines, "path": "", "material": name,
-                     "blender": options.blender or VERSIONS[number % 2]})
+    for path, builders in (("", materials_list.BUILDERS), (real_files.STRANDS, materials_list.STRANDS)):
+        for number, (name, build) in enumerate(builders.items()):
+            lines = hashlib.sha256(inspect.getsource(build).encode()).hexdigest()[:12]
+            rows.append({"source": "made", "package": "materials", "version": lines, "path": path, "material": name,
+                         "blender": options.blender or VERSIONS[number % 2]})
     return [row for row in rows if re.search(options.filter, real_files.name_of(row))]
 
 
@@ -64,15 +69,8 @@ def file_of(version, output):
     return str(path)
 
 
-def main(argv=None):
-    options = arguments(argv)
-    options.output = options.output.resolve()
-    rows = listed(options)
-    if options.list or not rows:
-        print("\n".join(map(real_files.name_of, rows)) or "none matches")
-        return 0 if rows else 1
-    real_files.missing(options, rows)
-    files = {version: file_of(version, options.output) for version in sorted({row["blender"] for row in rows})}
+def shown(rows, files, options):
+    """Rows of results, as far as they are."""
     results = []
     for number, row in enumerate(rows, 1):
         start = time.perf_counter()
@@ -81,7 +79,37 @@ def main(argv=None):
         print(f"{number}/{len(rows)} {real_files.name_of(row)}: {last['difference'] if last['state'] == 'rendered' else last['state']} "
               f"({time.perf_counter() - start:.1f} s)", file=sys.stderr, flush=True)
         whole.write_csv(options.output / "results.csv", results)
-    return 0 if real_files.verdict(results, options) else 1
+    return results
+
+
+def keep(found, options):
+    """docs/results/materials.txt; found: {(Blender, with grooves): results}"""
+    rows = []
+    for (version, grooves), results in found.items():
+        for what, path in (("ball and box", ""), ("hair", real_files.STRANDS)):
+            of = [r for r in results if r["path"] == path]
+            rows.append([version, what, "on" if grooves else "off", *real_files.summary(of, options.limit)])
+    kept.write("materials", kept.surroundings('make compare-materials MATERIALS=--results'),
+               ["Blender", "shown on", "*Grooves Follow Bumps*", "judged", f"within {options.limit:g}", "median", "worst"], rows)
+
+
+def main(argv=None):
+    options = arguments(argv)
+    options.output = options.output.resolve()
+    runs = [(version, grooves) for version in VERSIONS for grooves in (False, True)] if options.results else [(options.blender, options.grooves)]
+    found, files = {}, {}
+    for options.blender, options.grooves in runs:
+        rows = listed(options)
+        if options.list or not rows:
+            print("\n".join(map(real_files.name_of, rows)) or "none matches")
+            return 0 if rows else 1
+        real_files.missing(options, rows)
+        for version in {row["blender"] for row in rows} - set(files):
+            files[version] = file_of(version, options.output)
+        found[options.blender, options.grooves] = shown(rows, files, options)
+    if options.results:
+        keep(found, options)
+    return 0 if real_files.verdict([r for results in found.values() for r in results], options) else 1
 
 
 if __name__ == "__main__":

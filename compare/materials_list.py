@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Materials of the kinds that public libraries hold, by stock nodes alone: each function gets a Maker of
-materials_make.py and returns the shader. Without volumes.
+materials_make.py and returns the shader. Without volumes. Those in STRANDS are shown on hair.
 """
 import numpy as np
 
-BUILDERS = {}
+BUILDERS, STRANDS = {}, {}
 
 
 def material(build):
     BUILDERS[build.__name__] = build
+    return build
+
+
+def on_strands(build):
+    STRANDS[build.__name__] = build
     return build
 
 
@@ -482,3 +487,34 @@ def scanned_fabric(m):
     picture = m.image(_grey(height), at, True)
     return m.principled(Base_Color=m.color("MULTIPLY", 1.0, (0.5, 0.3, 0.2), m.image(_grey(0.4 + 0.6 * height), at)), Roughness=0.9, Sheen_Weight=0.6,
                         Normal=m.bump(picture, 0.5, 0.05))
+
+
+# --- hair ---
+
+def _glossy(m, **inputs):
+    return m("BsdfAnisotropic", {"distribution": "GGX"}, Color=(0.8, 0.4, 0.1), **inputs)
+
+
+@on_strands
+def hair_along(m):
+    return _glossy(m, Roughness=0.4, Anisotropy=0.8)
+
+
+@on_strands
+def hair_across(m):
+    return _glossy(m, Roughness=0.4, Anisotropy=-0.7)
+
+
+@on_strands
+def hair_turned(m):
+    return _glossy(m, Roughness=0.5, Anisotropy=0.8, Rotation=0.15)
+
+
+@on_strands
+def hair_principled(m):
+    return m.principled(Base_Color=(0.8, 0.5, 0.2), Metallic=1, Roughness=0.4, Anisotropic=0.8)
+
+
+@on_strands
+def hair_matt(m):
+    return m("BsdfDiffuse", Color=(0.8, 0.4, 0.1))

@@ -165,7 +165,7 @@ class Maker:
 
 def main(path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    for name, build in materials_list.BUILDERS.items():
+    for name, build in (materials_list.BUILDERS | materials_list.STRANDS).items():
         made = Maker(name)
         made.surface(build(made))
     bpy.ops.wm.save_as_mainfile(filepath=path)

@@ -20,6 +20,7 @@ import json
 import os
 import re
 import shutil
+import statistics
 import subprocess
 import sys
 import time
@@ -32,6 +33,7 @@ import pictures
 import programs
 import real_files_fetch
 import report
+import results as kept
 import whole
 
 LIST = programs.HERE / "real_files.csv"
@@ -40,6 +42,7 @@ ZIP = programs.BUILD / "libshade-blender.zip"
 UNJUDGED = ("CYCLES", "nothing", "noise", "package")  # states that begin so
 EMPTY = dict.fromkeys(("difference", "brightness", "noise_cycles", "noise_libshade", "samples_cycles",
                        "samples_libshade", "seconds_cycles", "seconds_libshade", "added", "state", "warnings"), "")
+STRANDS = "strands"  # the path of a material that is shown on hair
 SETUP = 1  # of real_files_render.py: raised when a change there changes pictures
 
 
@@ -48,6 +51,7 @@ def arguments(argv=None):
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--filter", default="", metavar="WORDS",
                         help="only those whose package, path, material or Blender match this pattern")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="only each Nth of those (default 1)")
     parser.add_argument("--count", type=int, default=0, help="at most so many (default all)")
     parser.add_argument("--list", action="store_true", help="show which, render nothing")
     parser.add_argument("--size", type=int, default=128, help="pixels along the longer side (default 128)")
@@ -60,6 +64,7 @@ def arguments(argv=None):
     parser.add_argument("--threads", type=int, default=0, help="of a render (default all)")
     parser.add_argument("--limit", type=float, default=0.05, help="difference that is good (default .05)")
     parser.add_argument("--share", type=float, default=0.9, help="of the files that are to be good (default .9)")
+    parser.add_argument("--results", action="store_true", help="keep what is found in docs/results/files.txt")
     parser.add_argument("--output", type=Path, default=programs.BUILD / "compare" / "files",
                         help="folder for packages, pictures, results (default build/compare/files)")
     return parser.parse_args(argv)
@@ -95,7 +100,8 @@ def rendered(row, engine, stem, added, file, options):
         return json.loads(told.read_text(encoding="utf-8"))
     job = {"file": file, "material": row["material"], "engine": engine, "size": options.size,
            "noise": options.noise, "cap": options.cap, "seconds": options.seconds,
-           "threads": options.threads, "added": added, "output": str(stem)}
+           "threads": options.threads, "added": added, "output": str(stem),
+           "grooves": getattr(options, "grooves", False), "strands": row["path"] == STRANDS}
     work, log = stem.with_suffix(".job"), stem.with_suffix(".log")
     whole.write_text(work, json.dumps(job))
     environment = {name: value for name, value in os.environ.items()
@@ -121,7 +127,7 @@ def both(row, options, file):
     key = key_of(row, options)
     cycles = options.output / "cycles" / key
     native = hashlib.sha256(ZIP.read_bytes()).hexdigest()[:12]
-    ours = options.output / f"libshade-{native}" / key
+    ours = options.output / f"libshade-{native}" / (key + "-grooves" * getattr(options, "grooves", False))
     for stem in (cycles, ours):
         stem.parent.mkdir(parents=True, exist_ok=True)
     theirs = rendered(row, "CYCLES", cycles, None, file, options)
@@ -170,10 +176,24 @@ def missing(options, rows):
     options.output.mkdir(parents=True, exist_ok=True)
 
 
+def split(results, limit):
+    """(those that are judged, those of them that are good)"""
+    judged = [r for r in results if not r["state"].startswith(UNJUDGED)]
+    return judged, [r for r in judged if r["state"] == "rendered" and r["difference"] <= limit]
+
+
+def summary(results, limit, worst=5):
+    """A row of a kept table: how many are judged, how many are good, the median, the worst by their names."""
+    judged, good = split(results, limit)
+    off = sorted((r for r in judged if r["state"] == "rendered"), key=lambda r: -r["difference"])
+    last = lambda r: r["material"] or r["path"].rpartition("/")[2]  # noqa: E731
+    return [len(judged), len(good), statistics.median(r["difference"] for r in off) if off else None,
+            ", ".join(f"{last(r)} {r['difference']:.3g}" for r in off[:worst])]
+
+
 def verdict(results, options):
     """Prints all that is not good, then the sum; is it enough?"""
-    judged = [r for r in results if not r["state"].startswith(UNJUDGED)]
-    good = [r for r in judged if r["state"] == "rendered" and r["difference"] <= options.limit]
+    judged, good = split(results, options.limit)
     bad = sorted((r for r in judged if r not in good), key=lambda r: -(r["difference"] or 9))
     if bad:
         print(report.table(["beyond the limit", "difference", "brightness", "noise, Cycles and ours"],
@@ -193,7 +213,7 @@ def verdict(results, options):
 def main(argv=None):
     options = arguments(argv)
     options.output = options.output.resolve()
-    rows = listed(options.filter)[:options.count or None]
+    rows = listed(options.filter)[::max(options.every, 1)][:options.count or None]
     if options.list or not rows:
         print("\n".join(map(name_of, rows)) or "none matches")
         return 0 if rows else 1
@@ -216,7 +236,19 @@ def main(argv=None):
               f"{last['difference'] if last['state'] == 'rendered' else last['state']} "
               f"({time.perf_counter() - start:.1f} s)", file=sys.stderr, flush=True)
         whole.write_csv(options.output / "results.csv", results)
+    if options.results:
+        keep(results, options)
     return 0 if verdict(results, options) else 1
+
+
+def keep(results, options):
+    """docs/results/files.txt"""
+    asked = " ".join(f"{word} {value}" for word, value in (("--filter", options.filter), ("--every", options.every), ("--count", options.count))
+                     if value not in ("", 0, 1))
+    kept.write("files", kept.surroundings("make compare-files FILES=" + f'"{asked} --results"'.replace('" ', '"')),
+               ["Blender", "of the list", "judged", f"within {options.limit:g}", "median", "worst"],
+               [[version, len(of), *summary(of, options.limit)]
+                for version in sorted({r["blender"] for r in results}) if (of := [r for r in results if r["blender"] == version])])
 
 
 if __name__ == "__main__":

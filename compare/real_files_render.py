@@ -6,6 +6,8 @@
 JOB.json is an object of
     "file":     a .blend, or of a kind that this Blender imports (IMPORTS)
     "material": "", or the name of a material of the file, which is then shown on a ball and a box
+    "strands":  true: it is shown on hair instead
+    "grooves":  true: grooves go with bumps (our engine's *Grooves Follow Bumps*)
     "engine":   "CYCLES" or "LIBSHADE"
     "size":     pixels along the longer side
     "noise", "cap", "seconds": samples are raised until two seeds agree within this (relative mean
@@ -56,14 +58,17 @@ def link(name, data):
     return ob
 
 
-def sample(path, name):
-    """A material on a smooth ball and a box above a grey floor."""
+def sample(path, name, strands=False):
+    """A material on a smooth ball and a box above a grey floor, or on hair."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     with bpy.data.libraries.load(path) as (there, here):
         if name not in there.materials:
             raise SystemExit(f"{path}: no material '{name}'")
         here.materials = [name]
     shown = bpy.data.materials[name]
+    if strands:
+        add_strands(shown)
+        return
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, location=(-1.1, 0, 1))
     bpy.ops.object.shade_smooth()
     bpy.context.object.data.materials.append(shown)
@@ -76,10 +81,23 @@ def sample(path, name):
     add_camera([Vector((-2, -1, 0)), Vector((2, 1, 2))])
 
 
+def add_strands(shown):
+    """Sixty hairs a few pixels wide on a ball, as particles, which all Blenders have; round, not flat towards the eye."""
+    bpy.context.scene.cycles_curves.shape = "THICK"
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8)
+    body = bpy.context.object
+    body.data.materials.append(shown)
+    body.modifiers.new("hair", "PARTICLE_SYSTEM")
+    hair = body.particle_systems[0].settings
+    hair.type, hair.count, hair.hair_length, hair.display_step, hair.render_step = "HAIR", 60, 1.0, 4, 4
+    hair.root_radius, hair.tip_radius, hair.radius_scale = 1.0, 0.5, 0.06
+    add_camera([Vector((-1.6,) * 3), Vector((1.6,) * 3)])
+
+
 def opened(job):
     path = job["file"]
     if job["material"]:
-        sample(path, job["material"])
+        sample(path, job["material"], job["strands"])
     elif path.endswith(".blend"):
         try:
             bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
@@ -179,7 +197,7 @@ def set_render(job):
         image.media_type = "IMAGE"
     image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGBA", "32"
     settings = scene.libshade if job["engine"] == "LIBSHADE" else scene.cycles
-    for name, value in SETTINGS.items():
+    for name, value in (SETTINGS | {"groove_transport": job["grooves"]}).items():
         if hasattr(settings, name):
             setattr(settings, name, value)
     return settings

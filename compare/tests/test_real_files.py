@@ -38,8 +38,10 @@ def test_list():
 
 
 def test_materials():
-    """Sixty-one, in both Blenders by turns; each is known by its own lines."""
-    rows = materials.listed(materials.arguments([]))
+    """Sixty-one and some of hair, in both Blenders by turns; each is known by its own lines."""
+    everything = materials.listed(materials.arguments([]))
+    rows = [row for row in everything if not row["path"]]
+    assert {row["material"][:5] for row in everything if row["path"]} == {"hair_"}
     assert len({row["material"] for row in rows}) == len({row["version"] for row in rows}) == len(rows) == 61
     assert [row["blender"] for row in rows[:4]] == ["3.4", "5.0"] * 2
     assert {row["blender"] for row in materials.listed(materials.arguments(["--blender", "5.0"]))} == {"5.0"}
@@ -57,6 +59,19 @@ def test_verdict(capsys):
         assert not real_files.verdict([*good[1:], bad, bad], options)
     assert "of the other 2 0 with a warning" in capsys.readouterr().out
     assert not real_files.verdict([row("package: not to be had")], options)
+
+
+def test_what_is_kept_of_them(monkeypatch):
+    """Of each Blender how many, how many of them are good, the median and the worst, by name."""
+    written = {}
+    monkeypatch.setattr(real_files.kept, "write", lambda name, head, columns, rows: written.update({name: rows}))
+    rows = [{**row("rendered", off), "path": f"a/{k}.obj", "blender": "3.4"} for k, off in enumerate((0.001, 0.06, 0.02, 0.04))]
+    found = [*rows, {**row("CYCLES: exit status 1"), "blender": "3.4"}, {**row("rendered", 0.01), "material": "tile", "blender": "5.0"}]
+    real_files.keep(found, real_files.arguments(["--results"]))
+    assert written["files"] == [["3.4", 5, 4, 3, 0.03, "1.obj 0.06, 3.obj 0.04, 2.obj 0.02, 0.obj 0.001"], ["5.0", 1, 1, 1, 0.01, "tile 0.01"]]
+    hair = {**row("rendered", 0.03), "material": "hair_a", "path": "strands"}
+    materials.keep({("5.0", True): [{**hair, "path": ""}, hair]}, materials.arguments([]))
+    assert written["materials"] == [["5.0", "ball and box", "on", 1, 1, 0.03, "hair_a 0.03"], ["5.0", "hair", "on", 1, 1, 0.03, "hair_a 0.03"]]
 
 
 def test_key_changes_with_what_is_asked():
