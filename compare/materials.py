@@ -4,8 +4,8 @@
 materials_list.py builds them by stock nodes. Each is shown on a ball and a box, or on hair, as real_files.py shows materials
 of files and by its judgement: every other one in Blender 3.4, the rest in PyPI's bpy, or all in --blender. Pictures, and
 results.csv with the warnings that our engine gave, are in --output; a second run renders what is new. Exit status 1
-where less than --share of them are within --limit. With --results all are shown in both Blenders, with grooves that
-follow bumps and without, and docs/results/materials.txt keeps what is found.
+where less than --share of them are within --limit. With --results all are shown with grooves that follow bumps, too, and
+docs/results/materials.txt keeps what is found.
 """
 import argparse
 import hashlib
@@ -83,30 +83,29 @@ def shown(rows, files, options):
 
 
 def keep(found, options):
-    """docs/results/materials.txt; found: {(Blender, with grooves): results}"""
+    """docs/results/materials.txt; found: {with grooves: results}"""
     rows = []
-    for (version, grooves), results in found.items():
-        for what, path in (("ball and box", ""), ("hair", real_files.STRANDS)):
-            of = [r for r in results if r["path"] == path]
-            rows.append([version, what, "on" if grooves else "off", *real_files.summary(of, options.limit)])
+    for what, path in (("ball and box", ""), ("hair", real_files.STRANDS)):
+        for grooves, results in found.items():
+            for version in sorted({r["blender"] for r in results}):
+                of = [r for r in results if (r["path"], r["blender"]) == (path, version)]
+                rows.append([what, version, "on" if grooves else "off", *real_files.summary(of, options.limit)])
     kept.write("materials", kept.surroundings('make compare-materials MATERIALS=--results'),
-               ["Blender", "shown on", "*Grooves Follow Bumps*", "judged", f"within {options.limit:g}", "median", "worst"], rows)
+               ["shown on", "Blender", "*Grooves Follow Bumps*", "judged", f"within {options.limit:g}", "median", "worst"], rows)
 
 
 def main(argv=None):
     options = arguments(argv)
     options.output = options.output.resolve()
-    runs = [(version, grooves) for version in VERSIONS for grooves in (False, True)] if options.results else [(options.blender, options.grooves)]
-    found, files = {}, {}
-    for options.blender, options.grooves in runs:
-        rows = listed(options)
-        if options.list or not rows:
-            print("\n".join(map(real_files.name_of, rows)) or "none matches")
-            return 0 if rows else 1
-        real_files.missing(options, rows)
-        for version in {row["blender"] for row in rows} - set(files):
-            files[version] = file_of(version, options.output)
-        found[options.blender, options.grooves] = shown(rows, files, options)
+    rows = listed(options)
+    if options.list or not rows:
+        print("\n".join(map(real_files.name_of, rows)) or "none matches")
+        return 0 if rows else 1
+    real_files.missing(options, rows)
+    files, found = {version: file_of(version, options.output) for version in sorted({row["blender"] for row in rows})}, {}
+    for grooves in (False, True) if options.results else (options.grooves,):
+        options.grooves = grooves
+        found[grooves] = shown(rows, files, options)
     if options.results:
         keep(found, options)
     return 0 if real_files.verdict([r for results in found.values() for r in results], options) else 1

@@ -70,8 +70,8 @@ def test_what_is_kept_of_them(monkeypatch):
     real_files.keep(found, real_files.arguments(["--results"]))
     assert written["files"] == [["3.4", 5, 4, 3, 0.03, "1.obj 0.06, 3.obj 0.04, 2.obj 0.02, 0.obj 0.001"], ["5.0", 1, 1, 1, 0.01, "tile 0.01"]]
     hair = {**row("rendered", 0.03), "material": "hair_a", "path": "strands"}
-    materials.keep({("5.0", True): [{**hair, "path": ""}, hair]}, materials.arguments([]))
-    assert written["materials"] == [["5.0", "ball and box", "on", 1, 1, 0.03, "hair_a 0.03"], ["5.0", "hair", "on", 1, 1, 0.03, "hair_a 0.03"]]
+    materials.keep({True: [{**hair, "path": ""}, hair]}, materials.arguments([]))
+    assert written["materials"] == [[what, hair["blender"], "on", 1, 1, 0.03, "hair_a 0.03"] for what in ("ball and box", "hair")]
 
 
 def test_key_changes_with_what_is_asked():
