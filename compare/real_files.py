@@ -96,8 +96,8 @@ def command_of(version, job):
 def rendered(row, engine, stem, added, file, options):
     """What real_files_render.py told, and the words of our engine; {"failed": why} where it did not."""
     told = stem.with_suffix(".json")
-    if told.exists():
-        return json.loads(told.read_text(encoding="utf-8"))
+    if told.exists() and "words" in (before := json.loads(told.read_text(encoding="utf-8"))):  # else a run was stopped in between
+        return before
     job = {"file": file, "material": row["material"], "engine": engine, "size": options.size,
            "noise": options.noise, "cap": options.cap, "seconds": options.seconds,
            "threads": options.threads, "added": added, "output": str(stem),
@@ -243,9 +243,10 @@ def main(argv=None):
 
 def keep(results, options):
     """docs/results/files.txt"""
-    asked = " ".join(f"{word} {value}" for word, value in (("--filter", options.filter), ("--every", options.every), ("--count", options.count))
-                     if value not in ("", 0, 1))
-    kept.write("files", kept.surroundings("make compare-files FILES=" + f'"{asked} --results"'.replace('" ', '"')),
+    usual = vars(arguments([]))
+    asked = [f"--{word} {value}" for word, value in vars(options).items()
+             if word not in ("results", "list", "threads", "timeout", "share", "output") and value != usual[word]]
+    kept.write("files", kept.surroundings(f'make compare-files FILES="{" ".join([*asked, "--results"])}"'),
                ["Blender", "of the list", "judged", f"within {options.limit:g}", "median", "worst"],
                [[version, len(of), *summary(of, options.limit)]
                 for version in sorted({r["blender"] for r in results}) if (of := [r for r in results if r["blender"] == version])])
