@@ -42,7 +42,7 @@ ZIP = programs.BUILD / "libshade-blender.zip"
 UNJUDGED = ("CYCLES", "nothing", "noise", "package")  # states that begin so
 EMPTY = dict.fromkeys(("difference", "brightness", "noise_cycles", "noise_libshade", "samples_cycles",
                        "samples_libshade", "seconds_cycles", "seconds_libshade", "added", "state", "warnings"), "")
-STRANDS = "strands"  # the path of a material that is shown on hair
+STRANDS = "hair curves"  # the path of a material that is shown on hair
 SETUP = 1  # of real_files_render.py: raised when a change there changes pictures
 
 

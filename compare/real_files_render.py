@@ -82,16 +82,20 @@ def sample(path, name, strands=False):
 
 
 def add_strands(shown):
-    """Sixty hairs a few pixels wide on a ball, as particles, which all Blenders have; round, not flat towards the eye."""
+    """Sixty bent hairs a few pixels wide, curves as Blender has them from 3.5 on (particles lie elsewhere each time); round, not flat."""
     bpy.context.scene.cycles_curves.shape = "THICK"
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8)
-    body = bpy.context.object
-    body.data.materials.append(shown)
-    body.modifiers.new("hair", "PARTICLE_SYSTEM")
-    hair = body.particle_systems[0].settings
-    hair.type, hair.count, hair.hair_length, hair.display_step, hair.render_step = "HAIR", 60, 1.0, 4, 4
-    hair.root_radius, hair.tip_radius, hair.radius_scale = 1.0, 0.5, 0.06
-    add_camera([Vector((-1.6,) * 3), Vector((1.6,) * 3)])
+    chance, along = np.random.default_rng(1), np.linspace(0, 1, 6)[:, None]
+    roots = np.stack([chance.uniform(-1.2, 1.2, 60), chance.uniform(-0.4, 0.4, 60), np.full(60, -1.0)], 1)
+    bends = chance.normal(0, 0.4, (60, 3)) * (1, 1, 0)
+    data = bpy.data.hair_curves.new("hair")
+    data.add_curves([len(along)] * len(roots))
+    points = roots[:, None] + along * (0, 0, 2) + along**2 * bends[:, None]
+    data.points.foreach_set("position", points.astype(np.float32).ravel())
+    radius = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
+    radius.data.foreach_set("value", np.tile(np.linspace(0.06, 0.02, len(along), dtype=np.float32), len(roots)))
+    data.materials.append(shown)
+    link("hair", data)
+    add_camera([Vector((-1.2, -0.6, -1)), Vector((1.2, 0.6, 1))])
 
 
 def opened(job):

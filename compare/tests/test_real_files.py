@@ -38,7 +38,7 @@ def test_list():
 
 
 def test_materials():
-    """Sixty-one and some of hair, in both Blenders by turns; each is known by its own lines."""
+    """Sixty-one, in both Blenders by turns, and some of hair; each is known by its own lines."""
     everything = materials.listed(materials.arguments([]))
     rows = [row for row in everything if not row["path"]]
     assert {row["material"][:5] for row in everything if row["path"]} == {"hair_"}
@@ -69,7 +69,7 @@ def test_what_is_kept_of_them(monkeypatch):
     found = [*rows, {**row("CYCLES: exit status 1"), "blender": "3.4"}, {**row("rendered", 0.01), "material": "tile", "blender": "5.0"}]
     real_files.keep(found, real_files.arguments(["--results"]))
     assert written["files"] == [["3.4", 5, 4, 3, 0.03, "1.obj 0.06, 3.obj 0.04, 2.obj 0.02, 0.obj 0.001"], ["5.0", 1, 1, 1, 0.01, "tile 0.01"]]
-    hair = {**row("rendered", 0.03), "material": "hair_a", "path": "strands"}
+    hair = {**row("rendered", 0.03), "material": "hair_a", "path": real_files.STRANDS}
     materials.keep({True: [{**hair, "path": ""}, hair]}, materials.arguments([]))
     assert written["materials"] == [[what, hair["blender"], "on", 1, 1, 0.03, "hair_a 0.03"] for what in ("ball and box", "hair")]
 

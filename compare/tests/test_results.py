@@ -26,7 +26,7 @@ def test_a_table_says_where_it_is_from_and_stands_on_one_page(name):
 
 
 def test_what_is_kept_is_committed():
-    assert {*results.KEPT, "bench", "bumps", "horizons", "displaced-waves", "displaced-sky", "paths", "plate-time"} == set(NAMES)
+    assert {*results.KEPT, "bench", "bumps", "files", "horizons", "materials", "displaced-waves", "displaced-sky", "paths", "plate-time"} == set(NAMES)
 
 
 @pytest.fixture
