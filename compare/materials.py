@@ -89,8 +89,10 @@ def keep(found, options):
     rows = []
     for what, path in (("ball and box", ""), ("hair", real_files.STRANDS)):
         for grooves, results in found.items():
-            for version in sorted({r["blender"] for r in results}):
+            for version in VERSIONS:
                 of = [r for r in results if (r["path"], r["blender"]) == (path, version)]
+                if not of:
+                    continue
                 rows.append([what, version, "on" if grooves else "off", *real_files.summary(of, options.limit)])
     kept.write("materials", kept.surroundings('make compare-materials MATERIALS=--results'),
                ["shown on", "Blender", "*Grooves Follow Bumps*", "judged", f"within {options.limit:g}", "median", "worst"], rows)
