@@ -5,7 +5,7 @@ import numpy as np
 
 from blender_runs import rgba
 
-COST = 25
+COST = 23
 
 
 def off(picture, truth):
@@ -27,7 +27,7 @@ def test_grooves_follow_bumps_in_cycles(blender, tmp_path):
     def picture(name, engine="cycles"):
         return rgba(tmp_path / f"{engine}_{name}.exr")[..., :3]
 
-    for word in ("along", "across", "turned", "principled", "principled_turned", "principled_quarter"):
+    for word in ("along", "across", "turned", "principled", "principled_turned"):
         truth = picture(word + "_displaced")
         error = {what: off(picture(f"{word}_{what}"), truth) for what in ("bumped", "groove")}
         print(word, {what: round(float(value), 5) for what, value in error.items()})

@@ -22,7 +22,6 @@ SHADERS = {
     "turned": ("ShaderNodeBsdfAnisotropic", 0.8, 0.1),
     "principled": ("ShaderNodeBsdfPrincipled", 0.8, 0.0),
     "principled_turned": ("ShaderNodeBsdfPrincipled", 0.8, 0.1),
-    "principled_quarter": ("ShaderNodeBsdfPrincipled", 0.8, 0.25),
 }
 
 
@@ -374,24 +373,27 @@ def turned_strokes(folder):
     """What the tool left, turned with the highlight: on a plate, by a map and by one that is mirrored, on a mirrored object, round the
     middle, and by a texture that turns on from below to above."""
     turned = {"axis": "AXIS_X", "map": "UV", "mirrored_map": "UV", "mirrored": "AXIS_X", "round": "RADIAL_Z", "textured": "AXIS_X"}
-    for engine, word in (*(("LIBSHADE", word) for word in turned), ("CYCLES", "axis"), ("CYCLES", "map")):
+    for engine, words in (("CYCLES", ("axis", "map")), ("LIBSHADE", turned)):
         scene = new_scene(engine)
         material, tree, node = common.metal("strokes")
-        node.grain, node.strokes, node.stroke_width = turned[word], 1.0, 60.0
+        node.strokes, node.stroke_width = 1.0, 60.0
         for name, value in (("Roughness", 0.5), ("Anisotropy", 0.5), ("Rotation", 0.1)):
             node.inputs[name].default_value = value
-        if word == "textured":
-            place, part, by = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "SeparateXYZ", "Math"))
-            by.operation, by.inputs[1].default_value, by.inputs[2].default_value = "MULTIPLY_ADD", 0.1, 0.1
-            for source, target in ((place.outputs["Object"], part.inputs[0]), (part.outputs["Y"], by.inputs[0]), (by.outputs[0], node.inputs["Rotation"])):
-                tree.links.new(source, target)
-        plate_shown = common.plane(material)
-        plate_shown.scale.x = -1 if word == "mirrored" else 1
-        for corner in plate_shown.data.uv_layers[0].data if word == "mirrored_map" else ():
-            corner.uv.x *= -1
-        if word == "round":  # to the right of the middle, where circles run along y
-            scene.camera.location.x, scene.camera.data.ortho_scale = 0.7, 0.3
-        common.render(os.path.join(folder, f"{engine.lower()}_strokes_{word}.exr"))
+        shown = common.plane(material)
+        corners = shown.data.uv_layers[0].data
+        for word in words:
+            node.grain, shown.scale.x = turned[word], -1 if word == "mirrored" else 1
+            for corner in corners if word == "mirrored_map" else ():
+                corner.uv.x *= -1
+            # to the right of the middle circles run along y
+            scene.camera.location.x, scene.camera.data.ortho_scale = (0.7, 0.3) if word == "round" else (0, 1)
+            if word == "textured":
+                place, part, by = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "SeparateXYZ", "Math"))
+                by.operation, by.inputs[1].default_value, by.inputs[2].default_value = "MULTIPLY_ADD", 0.1, 0.1
+                for source, target in ((place.outputs["Object"], part.inputs[0]), (part.outputs["Y"], by.inputs[0]),
+                                       (by.outputs[0], node.inputs["Rotation"])):
+                    tree.links.new(source, target)
+            common.render(os.path.join(folder, f"{engine.lower()}_strokes_{word}.exr"))
 
 
 def operator():
