@@ -14,10 +14,10 @@ namespace mdf {
 Material::Material()
     : stated(0), tangent(TANGENT_DEFAULT), axis(), centre(), strength(1.0), filtered(true),
       bump_once(false), bump_scale(), bump_move(), reflects(false), notes(false), preset(false),
-      samples(0), clamp(0.0), specular_pigment(false), kd_pigment(false), id(-1), bsdf(),
-      specular(), diffuse(), has_diffuse(false), diffuse_only(false), lambert(false),
-      rejects(false), bends(false), black(), regularized(), regularized_black(), roughness(0.0),
-      rays(1), lattice(Lattice::of(1)) {
+      samples(0), clamp(0.0), told_slopes(false), specular_pigment(false), kd_pigment(false),
+      id(-1), bsdf(), specular(), diffuse(), has_diffuse(false), diffuse_only(false),
+      lambert(false), rejects(false), bends(false), black(), linear(true), regularized(),
+      regularized_black(), roughness(0.0), rays(1), lattice(Lattice::of(1)) {
   bump_scale[0] = bump_scale[1] = 1.0;
   shade_params_init(&params);
   // `specular` alone is the colour at every angle, as elsewhere in a finish
@@ -119,6 +119,8 @@ void split(Material &m) {
   for (int c = 0; c < 3; c++)
     black.f0[c] = 0.0;
   shade_bsdf_setup(&m.black, &black);
+  m.linear =
+      m.params.multiscatter != SHADE_MULTISCATTER_ON && m.params.horizon != SHADE_HORIZON_MUTUAL;
 
   m.has_diffuse = false;
   for (int c = 0; c < 3; c++) {
@@ -136,7 +138,9 @@ void split(Material &m) {
                    m.params.f0[0] == 0.0 && m.params.f0[1] == 0.0 && m.params.f0[2] == 0.0;
   m.lambert = m.diffuse_only && m.params.diffuse == SHADE_DIFFUSE_LAMBERT && !m.cloth && !m.bump &&
               !m.scratches && !m.reflects;
-  m.rejects = m.params.detail != SHADE_DETAIL_NONE && m.params.horizon != SHADE_HORIZON_SCHUESSLER;
+  m.rejects = m.params.detail != SHADE_DETAIL_NONE &&
+              m.params.horizon != SHADE_HORIZON_SCHUESSLER &&
+              m.params.horizon != SHADE_HORIZON_MUTUAL;
   m.bends = m.params.horizon == SHADE_HORIZON_VALID_REFLECTION ||
             m.params.horizon == SHADE_HORIZON_VALID_ESTEVEZ;
   shade_bsdf_setup(&m.bsdf, m.diffuse_only ? &diffuse : &m.params);
@@ -234,25 +238,76 @@ const Material *Scene::add(const Material &material) {
   const std::shared_ptr<Material> kept(new Material(material));
 
   kept->id = (int)materials.size();
-  kept->specular_albedo.reset();
-  kept->black_albedo.reset();
   kept->prepared_cloth.reset();
   kept->slopes.reset();
   kept->field.reset();
-  split(*kept);
-  prepare_reflection(*kept);
-  if (!kept->cloth && !kept->diffuse_only) {
-    shade_params p = specular_of(kept->params);
-    kept->specular_albedo = albedo_of(p);
-    for (int c = 0; c < 3; c++)
-      p.f0[c] = 0.0;
-    if (kept->specular_pigment)
-      kept->black_albedo = albedo_of(p);
-  }
+  prepare(*kept);
   materials.push_back(kept);
   reflecting = reflecting || kept->reflects;
   by_width = by_width || kept->cloth || kept->scratches || (kept->bump && kept->filtered);
   return kept.get();
+}
+
+// All that only depends on the block.
+void Scene::prepare(Material &m) {
+  m.specular_albedo.reset();
+  m.black_albedo.reset();
+  split(m);
+  prepare_reflection(m);
+  if (m.cloth || m.diffuse_only)
+    return;
+  shade_params p = specular_of(m.params);
+  m.specular_albedo = albedo_of(p);
+  for (int c = 0; c < 3; c++)
+    p.f0[c] = 0.0;
+  if (m.specular_pigment)
+    m.black_albedo = albedo_of(p);
+}
+
+namespace {
+
+// The nearest of those whose spreads are a fiftieth apart, and all else accordingly: as near as
+// some thousand points say what they are. So a thousand pebbles are not a thousand blocks.
+void round_slopes(const double found[5], double slopes[5]) {
+  const double STEP = 0.02;
+  double spread[2];
+
+  for (int axis = 0; axis < 2; axis++) {
+    const double own = std::sqrt(found[2 + 2 * axis]);
+    spread[axis] = own > 0.0 ? std::exp(STEP * std::round(std::log(own) / STEP)) : 0.0;
+    slopes[2 + 2 * axis] = spread[axis] * spread[axis];
+  }
+  const double most = std::sqrt(found[2] * found[4]);
+  const double turn = most > 0.0 ? std::asin(std::min(std::max(found[3] / most, -1.0), 1.0)) : 0.0;
+  slopes[3] = std::sin(STEP * std::round(turn / STEP)) * spread[0] * spread[1];
+  const double step = STEP * std::max(spread[0], spread[1]);
+  for (int axis = 0; axis < 2; axis++)
+    slopes[axis] = step * std::round(found[axis] / step);
+}
+
+} // namespace
+
+const Material *Scene::on_bumps(const Material *material, const double found[5]) {
+  std::vector<const Material *> &made = bumped[material->id];
+  Material copy(*material);
+  double slopes[5];
+
+  round_slopes(found, slopes);
+  shade_params_set_slopes(&copy.params, slopes);
+  for (size_t i = 0; i < made.size(); i++)
+    if (std::equal(copy.params.slopes, copy.params.slopes + 5, made[i]->params.slopes))
+      return made[i];
+  const Material *own = material;
+  if (made.empty()) {
+    Material &m = *materials[(size_t)material->id];
+    m.params = copy.params;
+    prepare(m);
+  } else {
+    own = add(copy);
+    use(own);
+  }
+  made.push_back(own);
+  return own;
 }
 
 std::shared_ptr<const LazyAlbedo> Scene::albedo_of(const shade_params &params) {
@@ -329,6 +384,43 @@ std::string Scene::json(const std::string &renderer) const {
   return text;
 }
 
+void Moments::add(const double normal[3], double share) {
+  const double STEEPEST = 50.0;
+  if (!(normal[2] * STEEPEST > 1.0))
+    return;
+  const double sx = -normal[0] / normal[2], sy = -normal[1] / normal[2];
+  if (!std::isfinite(sx * sx + sy * sy))
+    return;
+
+  weight += share;
+  x += share * sx;
+  y += share * sy;
+  xx += share * sx * sx;
+  xy += share * sx * sy;
+  yy += share * sy * sy;
+}
+
+void Moments::add(const Moments &other, double scale) {
+  weight += scale * other.weight;
+  x += scale * other.x;
+  y += scale * other.y;
+  xx += scale * other.xx;
+  xy += scale * other.xy;
+  yy += scale * other.yy;
+}
+
+bool Moments::slopes(double found[5]) const {
+  const double LEAST = 1e-10; // what rounding alone may leave
+  if (!(weight > 0.0))
+    return false;
+  found[0] = x / weight;
+  found[1] = y / weight;
+  found[2] = std::max(xx / weight - found[0] * found[0], 0.0);
+  found[3] = xy / weight - found[0] * found[1];
+  found[4] = std::max(yy / weight - found[1] * found[1], 0.0);
+  return found[2] + found[4] > LEAST;
+}
+
 void ShadedPoint::set(const Material *m, const double N[3], const double T[3], const double Ns[3],
                       const double V[3], bool mirrored) {
   material = m;
@@ -388,6 +480,18 @@ void ShadedPoint::Wider::back(const double turned[3], double v[3]) const {
   v[2] = turned[2];
 }
 
+// Those of the map, which are along the frame's own axes.
+void ShadedPoint::Wider::turn_slopes() {
+  double *const v = params.slopes;
+  const double x = v[0], y = v[1], xx = v[2], xy = v[3], yy = v[4];
+
+  v[0] = c * x + s * y;
+  v[1] = c * y - s * x;
+  v[2] = c * c * xx + 2.0 * c * s * xy + s * s * yy;
+  v[3] = c * s * (yy - xx) + (c * c - s * s) * xy;
+  v[4] = s * s * xx - 2.0 * c * s * xy + c * c * yy;
+}
+
 void ShadedPoint::roughen(double share, const double mean[3], const double covariance[3], int most,
                           int level) {
   const bool wider = covariance[0] + covariance[2] > 1e-9; // else less than any lobe's own
@@ -409,15 +513,17 @@ void ShadedPoint::roughen(double share, const double mean[3], const double covar
     shade_params_split(&part.params, local, covariance, most, &part.params, &part.angle, &lobes);
   part.c = std::cos(part.angle);
   part.s = std::sin(part.angle);
-  for (int black = 0; black < (material->specular_pigment ? 2 : 1); black++) {
+  part.turn_slopes();
+  const bool painted = material->specular_pigment && !material->linear;
+  for (int black = 0; black < (material->specular_pigment && !painted ? 2 : 1); black++) {
     shade_params p = part.params;
     for (int c = 0; c < 3; c++)
-      p.f0[c] = black ? 0.0 : p.f0[c];
-    part.bsdf[black] = wider ? &part.own[black]
+      p.f0[c] = black ? 0.0 : painted ? pigment[c] : p.f0[c];
+    part.bsdf[black] = wider || painted ? &part.own[black]
                        : level >= 0
                            ? &(black ? material->regularized_black : material->regularized)[level]
                            : &(black ? material->black : material->specular);
-    if (wider)
+    if (wider || painted)
       shade_bsdf_setup(&part.own[black], &p);
   }
   for (int i = 0; i < lobes.count && rough->count < MOST_LOBES; i++) {
@@ -448,6 +554,15 @@ int ShadedPoint::lobes(LobeSeen seen[MOST_LOBES]) const {
     seen[i].angle = lobe ? lobe->of->angle : 0.0;
   }
   return count;
+}
+
+void ShadedPoint::look(double share, Moments &to) const {
+  static const double flat[3] = {0.0, 0.0, 1.0};
+
+  if (!rough)
+    to.add(lambert ? flat : normal, share);
+  for (int i = 0; rough && i < rough->count; i++)
+    to.add(rough->lobe[i].flat, share * rough->lobe[i].share);
 }
 
 // f cos of one of the material's lobes.
@@ -500,6 +615,22 @@ void ShadedPoint::specular(bool in_black, int level, const double wi[3], double 
               in_black ? &m.regularized_black[level] : &m.regularized[level], wi, f);
 }
 
+void ShadedPoint::eval_painted(int of_level, const double wi[3], double f[3]) const {
+  double cosine;
+
+  if (!painted || painted->level != of_level) {
+    shade_params p = mdf::regularized(material->params, of_level);
+    std::copy(pigment, pigment + 3, p.f0);
+    painted.reset(new Painted);
+    painted->level = of_level;
+    shade_bsdf_setup(&painted->bsdf, &p);
+    shade_bsdf_prepare(&painted->bsdf, normal, eye, &painted->hit);
+  }
+  shade_bsdf_hit_eval(&painted->bsdf, &painted->hit, wi, f, &cosine);
+  for (int c = 0; c < 3; c++)
+    f[c] *= cosine;
+}
+
 void ShadedPoint::to_world(const double local[3], double world[3]) const {
   for (int c = 0; c < 3; c++)
     world[c] = frame[0][c] * local[0] + frame[1][c] * local[1] + frame[2][c] * local[2];
@@ -535,8 +666,11 @@ void ShadedPoint::eval(Part part, int level, const double L[3], const double E[3
   } else if (part == ALL)
     eval_lobe(OF_ALL, &m.bsdf, wi, f);
   else {
-    specular(false, level, wi, f);
-    if (m.specular_pigment) {
+    if (m.specular_pigment && !m.linear && !rough)
+      eval_painted(level, wi, f);
+    else
+      specular(false, level, wi, f);
+    if (m.specular_pigment && m.linear) {
       double black[3] = {0.0, 0.0, 0.0};
       if (m.params.fresnel != SHADE_FRESNEL_NONE)
         specular(true, level, wi, black);

@@ -50,6 +50,19 @@ struct Lattice {
   static Lattice of(unsigned int count);
 };
 
+// Slopes of the normals of a surface, -n.x/n.z along the frame's x axis and -n.y/n.z along y, added
+// up.
+struct Moments {
+  Moments() : weight(0.0), x(0.0), y(0.0), xx(0.0), xy(0.0), yy(0.0) {}
+  double weight, x, y, xx, xy, yy;
+
+  void add(const double normal[3], double share);
+  void add(const Moments &other, double scale);
+  // Their mean, and their second moment about it, as shade_params_set_slopes takes them. False if
+  // there are none, or none but 0.
+  bool slopes(double found[5]) const;
+};
+
 struct Material {
   Material();
 
@@ -79,10 +92,15 @@ struct Material {
   bool preset;                                // of the library's colours
   int samples;                                // rays at a hit, at most; 0: by the width of the lobe
   double clamp;                               // the brightest that a ray may bring; 0: anything
+  bool told_slopes;                           // the block has `slopes`
   std::shared_ptr<const Cloth> cloth;         // or NULL; then params are not its own
   bool specular_pigment, kd_pigment;          // colours of the layer's pigment in place of f0, kd
   int id;                                     // position in the scene's list
 
+  // Whether the slopes of its bumps are to be looked for.
+  bool wants_slopes() const {
+    return !cloth && !told_slopes && params.horizon == SHADE_HORIZON_MUTUAL;
+  }
   bool by_axis() const { return tangent == TANGENT_AXIS || tangent == TANGENT_RADIAL; }
   bool has_pigment() const {
     return cloth ? cloth->pigment[0] || cloth->pigment[1] : specular_pigment || kd_pigment;
@@ -108,8 +126,11 @@ struct Material {
   std::shared_ptr<const shade_slope_map> slopes;
   std::shared_ptr<const ScratchField> field; // of scratches
   // The specular part in black, where its colour is the pigment's: `specular` is then in white,
-  // and what either reflects is mixed. Every Fresnel term of a colour is linear in it.
+  // and what either reflects is mixed. Every Fresnel term of a colour is linear in it, and so is
+  // all that is reflected once. What is reflected more than once is not: each point has its own
+  // then.
   shade_bsdf black;
+  bool linear;
   std::shared_ptr<const LazyAlbedo> black_albedo;
 
   // The specular part, no alpha below that of the level. A path that has left a rough surface
@@ -171,6 +192,9 @@ public:
   bool reflects() const { return reflecting; }
   // Makes what only a block needs that is seen. Throws std::bad_alloc.
   void use(const Material *material);
+  // The same block on bumps of these slopes: itself for the first, others for more. What looks the
+  // same is one. Before the first hit.
+  const Material *on_bumps(const Material *material, const double slopes[5]);
 
   // {"version": …, "renderer": …, "materials": […]}, for a dump's header.
   std::string json(const std::string &renderer) const;
@@ -189,7 +213,9 @@ private:
   std::vector<std::shared_ptr<const LazyAlbedo>> albedos;
   ClothCache cloths;
   ScratchFieldCache scratch_fields;
+  std::map<int, std::vector<const Material *>> bumped; // of on_bumps(), by id
 
+  void prepare(Material &material);
   std::shared_ptr<const LazyAlbedo> albedo_of(const shade_params &params);
   std::set<std::string> warned;
 };
@@ -234,6 +260,8 @@ public:
   // lobes.
   void roughen(double share, const double mean[3], const double covariance[3], int most, int level);
   bool is_rough() const { return rough != NULL; }
+  // Adds the slopes of its normals.
+  void look(double share, Moments &to) const;
   enum { MOST_LOBES = 3 };
   // What was told, the last first. Returns how many there are.
   int lobes(LobeSeen seen[MOST_LOBES]) const;
@@ -319,6 +347,7 @@ private:
     double angle, c, s;        // its cosine and sine
     void turn(const double v[3], double turned[3]) const;
     void back(const double turned[3], double v[3]) const;
+    void turn_slopes();
   };
   struct RoughLobe {
     const Wider *of;
@@ -368,6 +397,14 @@ private:
   void specular(bool in_black, int level, const double wi[3], double f[3]) const;
   bool sample_rough(const double u[3], double wi[3], double f[3], double *pdf) const;
   void tint(const double black[3], double white[3]) const;
+  // The material at a level in the pigment's colour, where that is not mixed.
+  struct Painted {
+    int level;
+    shade_bsdf bsdf;
+    shade_bsdf_hit hit;
+  };
+  mutable std::unique_ptr<Painted> painted;
+  void eval_painted(int level, const double wi[3], double f[3]) const;
   void paint_diffuse(double f[3]) const;
 };
 

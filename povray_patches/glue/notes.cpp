@@ -4,11 +4,11 @@
 #include "backend/frame.h"
 #include "backend/mdf/notes.h"
 
+#include <cmath>
 #include <sstream>
 #include <vector>
 
 #include "backend/colour/colour.h"
-#include "backend/mdf/material.h"
 #include "backend/mdf/words.h"
 
 // this must be the last file included
@@ -88,6 +88,8 @@ void metal(const mdf::Material &m, std::ostream &text) {
     text << "  bumps: an image of " << m.bump->width() << " x " << m.bump->height() << ", strength "
          << m.strength << (m.filtered ? "; below a pixel they are roughness" : ", unfiltered")
          << (m.bump_once ? ", once\n" : "\n");
+  if (p.horizon == SHADE_HORIZON_MUTUAL && m.told_slopes)
+    text << Mdf_Slopes_Note(m);
   if (m.scratches)
     text << "  scratches: a unit of u and v is " << m.scratches->mm_per_unit << " mm\n";
 }
@@ -137,6 +139,21 @@ void beside(const FINISH &f, const mdf::Material &m, std::ostream &text) {
 }
 
 } // namespace
+
+std::string Mdf_Slopes_Note(const mdf::Material &m) {
+  const double *const v = m.params.slopes, most = std::sqrt(v[2] * v[4]);
+  std::ostringstream text;
+
+  text.precision(2);
+  text << "  slopes " << std::sqrt(v[2]) << ", " << std::sqrt(v[4])
+       << " (deviations along the strokes and across)";
+  if (std::fabs(v[3]) > 0.05 * most)
+    text << ", correlation " << v[3] / most;
+  if (v[0] * v[0] + v[1] * v[1] > 0.05 * 0.05 * (v[2] + v[4]))
+    text << ", mean " << v[0] << ", " << v[1];
+  text << "\n";
+  return text.str();
+}
 
 std::string Mdf_Notes(const FINISH *finish) {
   const mdf::Material &m = *finish->Mdf;

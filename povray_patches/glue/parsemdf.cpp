@@ -16,12 +16,12 @@
 #include "backend/lighting/point.h"
 #include "backend/math/matrices.h"
 #include "backend/mdf/notes.h"
+#include "backend/mdf/relief.h"
 #include "backend/mdf/surface.h"
 #include "backend/mdf/tangents.h"
 #include "backend/mdf/words.h"
 #include "backend/parser/parse.h"
 #include "backend/scene/scene.h"
-#include "backend/shape/blob.h"
 #include "backend/shape/mesh.h"
 #include "backend/support/fileutil.h"
 #include "backend/texture/pigment.h"
@@ -72,20 +72,6 @@ TOKEN named_by(TOKEN id, TOKEN function) {
   return id == END_OF_FILE_TOKEN ? id : function;
 }
 
-// All finishes of a texture that have an mdf block.
-void collect_blocks(const TEXTURE *texture, std::set<const FINISH *> &blocks) {
-  for (; texture != NULL; texture = reinterpret_cast<const TEXTURE *>(texture->Next)) {
-    if (texture->Type == PLAIN_PATTERN && texture->Finish != NULL && texture->Finish->Mdf != NULL)
-      blocks.insert(texture->Finish);
-    if (texture->Type == BITMAP_PATTERN)
-      for (const TEXTURE *m = texture->Materials; m != NULL; m = m->Next_Material)
-        collect_blocks(m, blocks);
-    if (texture->Blend_Map != NULL)
-      for (int i = 0; i < texture->Blend_Map->Number_Of_Entries; i++)
-        collect_blocks(texture->Blend_Map->Blend_Map_Entries[i].Vals.Texture, blocks);
-  }
-}
-
 // Do numbers of colours add up as light does? As far as the scene has said yet.
 bool is_light_linear(const SceneData &scene) {
   if (scene.gammaMode == kPOVList_GammaMode_None)
@@ -101,7 +87,7 @@ void Parser::Declare_Mdf_Version() {
   SYM_ENTRY *entry = Add_Symbol(1, "mdf_Version", FLOAT_ID_TOKEN);
 
   entry->Data = Create_Float();
-  *reinterpret_cast<DBL *>(entry->Data) = 7.0;
+  *reinterpret_cast<DBL *>(entry->Data) = 8.0;
 }
 
 // Loops and macros parse the same block many times: once is enough.
@@ -384,6 +370,24 @@ void Parser::Parse_Mdf_Roughness(mdf::Material &material) {
     const double exponent = 1.0 / r;
     shade_params_set(&material.params, rows[i], &exponent);
   }
+}
+
+// `slopes x, y, xx, xy, yy`: of the bumps, in place of what is found.
+void Parser::Parse_Mdf_Slopes(mdf::Material &material) {
+  static const char *const names[] = {"slopes x", "slopes y", "slopes xx", "slopes xy",
+                                      "slopes yy"};
+  double written[5], taken[5];
+
+  for (int i = 0; i < 5; i++) {
+    if (i > 0)
+      Parse_Comma();
+    Parse_Mdf_Numbers(names[i], 1, &written[i]);
+  }
+  shade_params_set_slopes(&material.params, written);
+  shade_params_get_slopes(&material.params, taken);
+  for (int i = 0; i < 5; i++)
+    Warn_Mdf_Number(names[i], written[i], taken[i]);
+  material.told_slopes = true;
 }
 
 void Parser::Parse_Mdf_Bump_Image(mdf::Material &material) {
@@ -692,6 +696,8 @@ void Parser::Parse_Mdf(FINISH *finish) {
         Parse_Mdf_Fabric(material);
       else if (word == mdf::BLOCK_SCRATCHES)
         Parse_Mdf_Scratches(material);
+      else if (word == mdf::BLOCK_SLOPES)
+        Parse_Mdf_Slopes(material);
       else if (word == mdf::BLOCK_NOTES)
         material.notes = Parse_Mdf_Switch("notes");
       else if (word >= mdf::BLOCK_ROW)
@@ -720,9 +726,8 @@ void Parser::Parse_Mdf(FINISH *finish) {
        (p.mdf != SHADE_MDF_GGX && p.mdf != SHADE_MDF_BECKMANN)))
     Warn_Mdf("'multiscatter on' (" + material.name +
              ") changes nothing: only ggx and beckmann with brdf microfacet have it.");
-  if (p.horizon == SHADE_HORIZON_MUTUAL && !material.cloth)
-    Warn_Mdf("'horizon mutual' (" + material.name +
-             ") is 'horizon hard' here: nothing says how steep the bumps are.");
+  if (material.told_slopes && p.horizon != SHADE_HORIZON_MUTUAL && !material.cloth)
+    Warn_Mdf("'slopes' (" + material.name + ") changes nothing: 'horizon mutual' alone reads it.");
 
   char wrong[160];
   if (sceneData->mdfScene->empty() && shade_isa_check(wrong, sizeof wrong) != 0) // once
@@ -731,7 +736,7 @@ void Parser::Parse_Mdf(FINISH *finish) {
 }
 
 void Parser::Post_Process_Mdf(ObjectPtr object) {
-  std::set<const FINISH *> blocks;
+  MdfBlocks blocks;
   mdf::Scene &scene = *sceneData->mdfScene;
   const Mesh *mesh = dynamic_cast<const Mesh *>(object);
 
@@ -750,16 +755,10 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     object->Mdf_Shape = shape.get();
   }
 
-  collect_blocks(object->Texture, blocks);
-  collect_blocks(object->Interior_Texture, blocks);
-  for (long i = 0; mesh != NULL && i < mesh->Number_Of_Textures; i++)
-    collect_blocks(mesh->Textures[i], blocks);
-  if (const Blob *blob = dynamic_cast<const Blob *>(object))
-    for (int i = 0; i < blob->Data->Number_Of_Components; i++)
-      collect_blocks(blob->Element_Texture[i], blocks);
+  Collect_Mdf_Blocks(object, false, blocks);
   if (blocks.empty())
     return;
-  for (std::set<const FINISH *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
+  for (MdfBlocks::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
     scene.use((*i)->Mdf);
     if ((*i)->UseSubsurface && sceneData->useSubsurface && (*i)->RawDiffuse <= 0.0)
       Error(
@@ -804,7 +803,7 @@ void Parser::Post_Process_Mdf(ObjectPtr object) {
     kind = " on a plane or disc, which has no UV coordinates: ";
     direction = "along its x axis, or z where it faces x";
   }
-  for (std::set<const FINISH *>::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
+  for (MdfBlocks::const_iterator i = blocks.begin(); i != blocks.end(); ++i) {
     const mdf::Material *block = (*i)->Mdf;
     if (block->tangent == mdf::Material::TANGENT_FROM_UV)
       Warn_Mdf("'tangent uv' (" + block->name + ")" + kind + "strokes run " + direction + ".");

@@ -56,6 +56,8 @@ public:
                            const Vector3d &raw_normal, TraceThreadData *thread, double width);
 
   bool HasBlock() const { return shaded.has_material(); }
+  // Adds the slopes of its bumps.
+  void Look(double share, mdf::Moments &to) const { shaded.look(share, to); }
 
   // Can light from this direction give anything?
   bool Faces(const VECTOR direction) const { return HasBlock() && Meets(direction); }

@@ -95,6 +95,7 @@ std::vector<Words> make_sets() {
   add(sets[WORDS_BLOCK], "fabric", BLOCK_FABRIC);
   add(sets[WORDS_BLOCK], "scratches", BLOCK_SCRATCHES);
   add(sets[WORDS_BLOCK], "notes", BLOCK_NOTES);
+  add(sets[WORDS_BLOCK], "slopes", BLOCK_SLOPES);
   sets[WORDS_RADIAL] = sets[WORDS_BLOCK];
   add(sets[WORDS_RADIAL], "at", BLOCK_AT);
   add(sets[WORDS_TANGENT], "uv", TANGENT_UV);

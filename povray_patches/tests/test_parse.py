@@ -12,7 +12,7 @@ from scenes import HEADER, SUN, saddle, scene
 COST = 20.8
 
 WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, multiscatter, tangent, "
-         "specular, roughness, bump_image, reflection, preset, fabric, scratches, notes or }")
+         "specular, roughness, bump_image, reflection, preset, fabric, scratches, notes, slopes or }")
 DETAILS = ("none, perturb, gram_schmidt, rotate, shortest_arc, rotate_approximate, deform_linear, deform_smooth, auto, "
            "deform_linear_conserving or deform_smooth_conserving")
 
@@ -329,7 +329,7 @@ def test_a_scenes_own_variables_may_be_named_like_words(render, material):
     ("tangent uv", "blob { threshold .5 sphere { -.4*x, 1, 1 texture { TEXTURE } } sphere { .4*x, 1, 1 texture { TEXTURE } } }",
      "'tangent uv' (scene.pov:6) on an object without UV coordinates: strokes run along its x axis."),
     ("ggx .3, .6 multiscatter on", None, "'multiscatter on' (scene.pov:6) changes nothing: only ggx and beckmann with brdf microfacet have it."),
-    ("ggx .3, .6 horizon mutual", None, "'horizon mutual' (scene.pov:6) is 'horizon hard' here: nothing says how steep the bumps are."),
+    ("ggx .3, .6 horizon mutual", None, "'horizon mutual' (scene.pov:6) is 'horizon hard' here: its texture has no bumps."),
     ("roughness -2, .1", None, "roughness is -2; it is taken as 1e-06."),
     ("specular rgb <1.5, -1, .5>", None, "specular is <1.5, -1, 0.5>; it is taken as <1, 0, 0.5>."),
     ("bump_image { png \"flat.png\" strength -1 }", None, "bump_image strength is -1; it is taken as 0."),
