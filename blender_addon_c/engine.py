@@ -139,6 +139,8 @@ class LibshadeEngine(bpy.types.RenderEngine):
                 messages.warning(text)
             if state["state"] == "failed":
                 raise export.SceneError(state["message"])
+            if not self.is_preview:
+                report.keep_slopes(depsgraph.scene, _native.slopes(job), scene["materials"])
             if state["state"] == "done":
                 self._others(_others(scene, passes, depsgraph.view_layer, exposure), result, len(pixels), messages)
             if state["state"] == "done" and tells_timings():

@@ -80,6 +80,8 @@ class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):
             column.prop(context.scene.libshade, f"{name}_bounces")
         layout.prop(context.scene.libshade, "groove_transport")
         layout.prop(context.scene.libshade, "bumps_mutual")
+        for line in context.scene.libshade.bump_slopes.splitlines():
+            layout.label(text=line)
         layout.prop(context.scene.libshade, "sample_clamp_direct")
         layout.prop(context.scene.libshade, "sample_clamp_indirect")
         layout.prop(context.scene.libshade, "blur_glossy")

@@ -2,7 +2,9 @@
 """Settings of the engine: `scene.libshade`, and `view_layer.libshade`."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+
+from . import report
 
 
 def _update_passes(_settings, context):
@@ -130,6 +132,11 @@ class LibshadeSettings(bpy.types.PropertyGroup):
         description="Bumps of Cycles' shining shaders shade and light each other, as those of the displaced surface do: "
                     "steep bumps get no darker, and not black; off: as in Cycles, where each is alone",
         default=False,
+    )
+    bump_slopes: StringProperty(
+        name="Bump Slopes",
+        description="How steep the bumps of each material are that shade each other, along the strokes and across; of the last render",
+        get=lambda self: report.slopes(self.id_data),
     )
     pixel_filter_type: EnumProperty(
         name="Pixel Filter",

@@ -15,6 +15,7 @@ from .names import ENGINE
 _KINDS = {"material": ("materials", "MATERIAL"), "object": ("objects", "OBJECT_DATA"), "light": ("objects", "LIGHT"),
           "camera": ("objects", "CAMERA_DATA"), "world": ("worlds", "WORLD"), "view layer": (None, "RENDERLAYERS")}
 _last = {}  # by name of the scene: ((text, is it an error?), ...)
+_slopes = {}  # by the same: a line for each material whose bumps shade each other
 _details = {}  # by the same: where in the program its failure was
 _FOLDER = os.path.dirname(os.path.abspath(__file__)) + os.sep
 _stale = [False]  # is something else to be shown?
@@ -30,6 +31,19 @@ def keep_failure(scene, text, details=""):
     """Why there is no picture of a scene, above what else was told of it."""
     _keep(scene, [(text, True), *(said for said in told(scene) if said[0] != text)])
     _details[scene.name] = details
+
+
+def keep_slopes(scene, found, materials):
+    """found: what the native module says of these materials, as it got them, once it has looked at their bumps."""
+    lines = []
+    for number, *slopes in found:
+        said = ", ".join(f"{slopes[k] ** 0.5:.2g}" for k in (2, 4)) if slopes[2] + slopes[4] > 0 else ""
+        lines.append(f"{materials[number].get('name') or 'A material'}: " + (f"slopes {said}" if said else "no bumps"))
+    _slopes[scene.name] = "\n".join(lines)
+
+
+def slopes(scene):
+    return _slopes.get(scene.name, "")
 
 
 def failure(error):
@@ -49,6 +63,7 @@ def whole(scene):
     """All that was told of a scene, and by what, as text."""
     lines = [f"libshade {_native.version()} ({_native.isa()}), Blender {bpy.app.version_string}, {platform.platform()}"]
     lines += [f"{'Error' if error else 'Warning'}: {text}" for text, error in told(scene)]
+    lines += [f"Note: {text}" for text in slopes(scene).splitlines()]
     return "\n".join([*lines, _details.get(scene.name, "")]).rstrip() + "\n"
 
 
@@ -219,6 +234,7 @@ def draw_on(node, layout):
 @bpy.app.handlers.persistent
 def _forget(*_arguments):
     _last.clear()
+    _slopes.clear()
     _details.clear()
 
 

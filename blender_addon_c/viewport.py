@@ -74,6 +74,8 @@ class Viewport:
         state = _native.poll(self._job)
         if not self._error:
             report.keep(depsgraph.scene, self._messages, state["warnings"])
+        if state["state"] == "done":
+            report.keep_slopes(depsgraph.scene, _native.slopes(self._job), self._scene["materials"])
         self._behind = self._waiting or self._view != view
         more = not self._is_last() or self._behind
         progress = "" if not more else "Building the BVH" if state["stage"] == "build" else (

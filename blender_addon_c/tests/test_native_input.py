@@ -166,7 +166,7 @@ def test_not_even_a_scene():
     for nonsense in (None, [], 5):
         with pytest.raises(ValueError, match="a dict is expected"):
             native.start(nonsense)
-    for call in (native.poll, native.cancel, native.free, native.timings):
+    for call in (native.poll, native.cancel, native.free, native.timings, native.slopes):
         with pytest.raises((ValueError, TypeError)):
             call(5)
 

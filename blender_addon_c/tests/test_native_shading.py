@@ -11,6 +11,7 @@ from native_scenes import (
     ROOT,
     ashikhmin_shirley,
     dump,
+    finish,
     image,
     material,
     mesh,
@@ -111,6 +112,13 @@ def test_slopes_of_bumps_that_shade_each_other_are_found(tmp_path):
     told = [0.1, 0.0, 0.5, 0.1, 0.25]
     _, header = dump(scene(images=[waves(1.2)], materials=[{**material(normal_image=0, horizon="mutual"), "slopes": told}]), path)
     assert json.loads(header)["materials"][0]["slopes"] == pytest.approx(told)
+    bumps = material(normal_image=0, horizon="mutual")
+    job = native.start(scene(images=[waves(1.2)], materials=[bumps, material(), bumps]))
+    assert finish(job)["state"] == "done"
+    (first, *found), (last, *none) = native.slopes(job)
+    assert (first, last, none) == (0, 2, [0] * 5)  # no surface has the last one
+    np.testing.assert_allclose(found, [0, 0.1, 0.36, 0, 0.36], atol=0.02)
+    native.free(job)
 
 
 def test_bumps_that_shade_each_other_lose_no_light():

@@ -11,6 +11,7 @@
 #include "stage/stage.h"
 #include "render/build.h"
 #include "render/job.h"
+#include "render/relief.h"
 #include "system/memory.h"
 #include "python/cloths.h"
 #include "python/islands.h"
@@ -302,6 +303,33 @@ static PyObject *native_timings(PyObject *self, PyObject *capsule) {
   return result;
 }
 
+/* Append a new reference, which is taken over; false on any failure. */
+static bool append(PyObject *list, PyObject *item) {
+  bool good = item && PyList_Append(list, item) == 0;
+  Py_XDECREF(item);
+  return good;
+}
+
+PyDoc_STRVAR(slopes_doc,
+             "slopes(job) -> list of (material, x, y, xx, xy, yy)\n\n"
+             "How steep the bumps of each material are that shade and light each other: the\n"
+             "mean slope, and the second moment about it. Empty until the job has finished.");
+static PyObject *native_slopes(PyObject *self, PyObject *capsule) {
+  (void)self;
+  handle *h = get_handle(capsule);
+  if (!h)
+    return NULL;
+  const scene *s = h->job->scene;
+  const size_t materials = job_get_state(h->job) != JOB_RUNNING && s->built ? s->materials : 0;
+  PyObject *all = PyList_New(0);
+  double v[5];
+  for (size_t k = 0; all && k < materials; k++)
+    if (relief_told(&s->material[k], v) &&
+        !append(all, Py_BuildValue("(nddddd)", (Py_ssize_t)k, v[0], v[1], v[2], v[3], v[4])))
+      Py_CLEAR(all);
+  return all;
+}
+
 PyDoc_STRVAR(free_doc, "free(job)\n\n"
                        "Cancel, wait for the threads, release all memory. Later calls with this\n"
                        "job raise ValueError. Dropping the job does the same.");
@@ -312,13 +340,6 @@ static PyObject *native_free(PyObject *self, PyObject *capsule) {
     return NULL;
   handle_clear(h);
   Py_RETURN_NONE;
-}
-
-/* Append a new reference, which is taken over; false on any failure. */
-static bool append(PyObject *list, PyObject *item) {
-  bool good = item && PyList_Append(list, item) == 0;
-  Py_XDECREF(item);
-  return good;
 }
 
 /* A new list of words; NULL on failure. */
@@ -534,6 +555,7 @@ PyMODINIT_FUNC PyInit__native(void) {
       {"cancel", native_cancel, METH_O, cancel_doc},
       {"image", native_image, METH_VARARGS, image_doc},
       {"timings", native_timings, METH_O, timings_doc},
+      {"slopes", native_slopes, METH_O, slopes_doc},
       {"free", native_free, METH_O, free_doc},
       {"table", native_table, METH_NOARGS, table_doc},
       {"metal", native_metal, METH_O, metal_doc},

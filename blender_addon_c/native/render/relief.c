@@ -11,8 +11,11 @@
 enum { POINTS = 4 * BATCH }; /* a material: the root of a variance is then within 2 % */
 
 static bool is_mutual(const closure *c) {
-  return c->type == CLOSURE_METAL && c->of.metal.params.horizon == SHADE_HORIZON_MUTUAL &&
-         !c->of.metal.told;
+  return c->type == CLOSURE_METAL && c->of.metal.params.horizon == SHADE_HORIZON_MUTUAL;
+}
+
+static bool wants_slopes(const closure *c) {
+  return is_mutual(c) && !c->of.metal.told;
 }
 
 typedef struct point {
@@ -131,11 +134,11 @@ static bool look(worker *w, material *m, const point *points) {
     hits_nodes(w);
     for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
       for (size_t k = 0; g->material == m && k < m->closures; k++)
-        if (is_mutual(&m->closure[k]))
+        if (wants_slopes(&m->closure[k]))
           add_slopes(&m->closure[k].of.metal, g->run, &b->input, &found[k]);
   }
   for (size_t k = 0; k < m->closures; k++)
-    if (is_mutual(&m->closure[k]))
+    if (wants_slopes(&m->closure[k]))
       set_slopes(&m->closure[k].of.metal, &found[k]);
   free(found);
   return true;
@@ -143,7 +146,7 @@ static bool look(worker *w, material *m, const point *points) {
 
 static bool wants(const material *m) {
   for (const closure *c = m->closure; c < m->closure + m->closures; c++)
-    if (is_mutual(c))
+    if (wants_slopes(c))
       return true;
   return false;
 }
@@ -172,4 +175,14 @@ bool relief_find(scene *s, const atomic_bool *cancel) {
     batch_free(&w);
   free(points);
   return good;
+}
+
+bool relief_told(const material *m, double slopes[5]) {
+  const closure *c = m->closure, *const end = m->closure + m->closures;
+  while (c < end && !is_mutual(c))
+    c++;
+  if (c == end)
+    return false;
+  shade_params_get_slopes(&c->of.metal.params, slopes);
+  return true;
 }

@@ -14,4 +14,7 @@
  */
 bool relief_find(scene *s, const atomic_bool *cancel);
 
+/* What was found, or the scene told, of a material's first such closure. False if it has none. */
+bool relief_told(const material *m, double slopes[5]);
+
 #endif

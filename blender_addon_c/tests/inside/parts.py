@@ -115,7 +115,7 @@ def test_settings_of_cycles():
     """All of ours but four are Cycles'; a file's are taken over, and given back by undo."""
     scene = common.empty_scene(8, 8)
     ours, module_ = scene.libshade, module("cycles_settings")
-    own = {"texture_blur", "filter_normals", "groove_transport", "bumps_mutual", "soft_terminator"}
+    own = {"texture_blur", "filter_normals", "groove_transport", "bumps_mutual", "bump_slopes", "soft_terminator"}
     assert set(ours.__annotations__) - set(module_.shared(ours, scene.cycles)) == own
     layer = scene.view_layers[0]
     assert set(module_.shared(layer.libshade, layer.cycles)) == set(layer.libshade.__annotations__)
@@ -358,7 +358,7 @@ SETTINGS = {
     "diffuse_bounces": (4, 0, 1024), "glossy_bounces": (4, 0, 1024), "transmission_bounces": (12, 0, 1024),
     "transparent_max_bounces": (8, 0, 1024), "sample_clamp_direct": (0, 0, 1e8), "sample_clamp_indirect": (10, 0, 1e8),
     "light_sampling_threshold": (0.01, 0, 1), "caustics_reflective": True, "caustics_refractive": True, "blur_glossy": (1, 0, 10),
-    "texture_blur": (0.25, 0, 10), "filter_normals": True, "groove_transport": True, "bumps_mutual": False, "pixel_filter_type": "BLACKMAN_HARRIS",
+    "texture_blur": (0.25, 0, 10), "filter_normals": True, "groove_transport": True, "bumps_mutual": False, "bump_slopes": "", "pixel_filter_type": "BLACKMAN_HARRIS",
     "filter_width": (1.5, 0.01, 10), "soft_terminator": True, "use_adaptive_sampling": False, "adaptive_threshold": (0.01, 0, 1),
     "adaptive_min_samples": (0, 0, 4096), "use_denoising": False, "use_preview_denoising": True, "use_animated_seed": False,
     "time_limit": (0, 0, 1e6)}
@@ -525,6 +525,24 @@ def test_errors_are_told_and_the_result_ends():
         report.told(scene)[0] == ("odd", True)
     report.keep(scene, SimpleNamespace(errors=(), warnings=("new",)))
     assert report.told(scene) == [("new", False)] and not report.told(bpy.data.scenes.new("another"))
+    report.keep_slopes(scene, [(1, 0, 0, .27, .1, .2304), (0, .1, 0, 0, 0, 0)], [{"name": ""}, {"name": "steel"}])
+    assert scene.libshade.bump_slopes == "steel: slopes 0.52, 0.48\nA material: no bumps"
+    assert report.whole(scene).splitlines()[2:] == ["Note: steel: slopes 0.52, 0.48", "Note: A material: no bumps"]
+    report.keep_slopes(scene, [], [])
+    assert scene.libshade.bump_slopes == ""
+
+
+def test_slopes_are_told_of_a_render():
+    scene = common.empty_scene(8, 8)
+    material, tree, node = common.metal("steel", horizon="MUTUAL")
+    bump, noise = tree.nodes.new("ShaderNodeBump"), tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    tree.links.new(bump.outputs[0], node.inputs["Normal"])
+    common.plane(material)
+    common.camera(scene)
+    bpy.ops.render.render()
+    name, _, slopes = scene.libshade.bump_slopes.partition(": slopes ")
+    assert name == "steel" and all(1e-4 < float(v) < 2 for v in slopes.split(", ")), scene.libshade.bump_slopes
 
 
 def test_studio_light():
