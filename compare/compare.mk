@@ -79,7 +79,7 @@ compare-peers: $(B)/libshade-blender.zip all
 # that is then said last. One that found nothing is not asked again until a program or a script changes.
 # --results: what is found stands in docs/results/ and in README.md.
 JUDGES := "truth.py --results" "truth.py --surface scratches" "truth.py --light sky --results" slopes.py \
-  "horizon.py --results" "steep_bumps.py --results" fabric.py "speed.py --results" "paths.py --results"
+  "horizon.py --results" "steep_bumps.py --long --uneven --results" fabric.py "speed.py --results" "paths.py --results"
 JUDGED := $(B)/compare/judged
 compare: demo $(B)/libshade-blender.zip $(MEASURED)
 	@echo "Judges first, each with its own progress; then the report:"; $(PY) compare/report_page.py --plan

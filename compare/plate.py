@@ -37,6 +37,46 @@ def slopes(u, v):
     return (SLOPE * np.cos(k * u) * np.sin(k * v), SLOPE * np.sin(k * u) * np.cos(k * v))
 
 
+def _waves():
+    """Numbers along u and v of waves of three to seven, with what each is shifted by; of equal parts of the slopes' variance."""
+    numbers = np.array([(i, j) for i in range(-7, 8) for j in range(8) if 9 <= i * i + j * j <= 49 and (j > 0 or i > 0)])
+    return numbers, np.random.default_rng(5).uniform(0, 2 * np.pi, len(numbers))
+
+
+def relief(surface, slope, u, v):
+    """(height, dh/du, dh/dv) of "waves", as of height(), "noise", or "ridges" along v. slope: the steepest, but of a noise
+    the root of twice the variance along both axes."""
+    if surface == "noise":
+        numbers, shifts = _waves()
+        height_, du, dv = (np.zeros(np.shape(u)) for _ in range(3))
+        for (i, j), shift in zip(numbers, shifts):
+            at, size = 2 * np.pi * (i * u + j * v) + shift, slope / np.sqrt(len(numbers)) / np.hypot(i, j)
+            height_ += size / (2 * np.pi) * np.sin(at)
+            du += size * i * np.cos(at)
+            dv += size * j * np.cos(at)
+        return height_, du, dv
+    k = 2 * np.pi * PERIODS
+    if surface == "ridges":
+        return slope / k * np.sin(k * u), slope * np.cos(k * u), 0 * u
+    return slope / SLOPE * height(u, v), *(slope / SLOPE * each for each in slopes(u, v))
+
+
+def relief_map(surface, slope, size):
+    """Its tangent-space normal map, as normal_map()."""
+    _, du, dv = relief(surface, slope, *grid(size))
+    n = np.stack([-du, -dv, np.ones_like(du)], axis=-1)
+    return (0.5 + 0.5 * n[::-1] / np.linalg.norm(n[::-1], axis=-1, keepdims=True)).astype(np.float32)
+
+
+def relief_mesh(surface, slope, quads, tiles):
+    """The plate with that relief, so often in a row along v, as (positions, faces, uv per vertex)."""
+    along = np.linspace(0.5 - tiles / 2, 0.5 + tiles / 2, quads * tiles + 1)
+    u, v = (a.ravel() for a in np.meshgrid(np.linspace(0.0, 1.0, quads + 1), along))
+    positions = np.stack([u - 0.5, v - 0.5, relief(surface, slope, u, v)[0]], axis=-1)
+    first = (np.arange(quads * tiles)[:, None] * (quads + 1) + np.arange(quads)).ravel()
+    return positions, np.stack([first, first + 1, first + quads + 2, first + quads + 1], axis=-1), np.stack([u, v], axis=-1)
+
+
 def normals(u, v):
     """Unit normals of the displaced surface, shape (..., 3)."""
     du, dv = slopes(u, v)

@@ -13,6 +13,10 @@ displaced plate, with smooth normals of its own. A job is
     "detail":   libshade's detail method (LIBSHADE only); without it the metal is Cycles' own node
     "ggx":      if it is there, roughness and anisotropy of GGX in the place of Ashikhmin-Shirley's lobe
     "sky":      if there is one, a picture that lights the plate in the sun's place, by up to BOUNCES
+    "bounces":  in the place of BOUNCES
+    "horizon":  in the place of the plain formula (LIBSHADE only)
+    "color":    of the metal, 1 if there is none
+    "eye":      the camera's elevation in degrees, 90 if there is none; "tiles": how many plates lie beside each other
     "seed":     of the noise, 0 if there is none
     "size", "samples", "quads": integers
     "repeat":   how often to render for time; the seconds of each go to the result file
@@ -44,7 +48,8 @@ def parts_of(job, file):
     if job.get("shape") == "sphere":
         return sphere.mesh(job["quads"] if displaced else sphere.FLAT, displaced)
     positions, normals, faces, uv = plate.mesh(job["quads"] if displaced else 1)
-    return positions, normals if displaced else None, faces, uv
+    tiles = job.get("tiles", 1)
+    return positions * tiles, normals if displaced else None, faces, (uv - 0.5) * tiles + 0.5
 
 
 def new_mesh(positions, normals, faces, uv):
@@ -89,7 +94,7 @@ def new_material(job, image):
         metal.ex, metal.ey = plate.EX, plate.EY
         metal.detail = job["detail"].upper()
         metal.fresnel = "NONE"
-        metal.horizon = "HARD"  # the plain formula, by which the detail methods are compared
+        metal.horizon = job.get("horizon", "HARD")  # the plain formula, by which the detail methods are compared
         if "ggx" in job:
             roughness, anisotropy = job["ggx"]
             metal.distribution, metal.brdf = "GGX", "MICROFACET"
@@ -102,12 +107,24 @@ def new_material(job, image):
         tangent = tree.nodes.new("ShaderNodeTangent")
         tangent.direction_type = "UV_MAP"
         tree.links.new(tangent.outputs["Tangent"], metal.inputs["Tangent"])
-    metal.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    metal.inputs["Color"].default_value = (*[job.get("color", 1.0)] * 3, 1.0)
     if job["surface"] == "bumped":
         node = normal_map_node(tree, image)
         tree.links.new(node.outputs["Normal"], metal.inputs["Normal"])
     tree.links.new(metal.outputs["BSDF"], output.inputs["Surface"])
     return material
+
+
+_meshes = {}
+
+
+def shared_mesh(job, image, file):
+    """With its material: one for all scenes of the same, for a displaced plate has a million quads."""
+    told = json.dumps({key: value for key, value in sorted(job.items()) if key not in ("sky", "seed", "output", "samples", "repeat")})
+    if told not in _meshes:
+        _meshes[told] = new_mesh(*parts_of(job, file))
+        _meshes[told].materials.append(new_material(job, image))
+    return _meshes[told]
 
 
 def new_sun(scene):
@@ -135,18 +152,18 @@ def new_world(file):
 
 
 def new_scene(job, image, file="", sky=""):
-    """Plate, sun or sky, and a camera straight above, filling the picture."""
+    """Plate, sun or sky, and a camera straight above or aslant, filling the picture."""
     scene = bpy.data.scenes.new("plate")
-    mesh = new_mesh(*parts_of(job, file))
-    mesh.materials.append(new_material(job, image))
-    scene.collection.objects.link(bpy.data.objects.new("plate", mesh))
+    scene.collection.objects.link(bpy.data.objects.new("plate", shared_mesh(job, image, file)))
 
     if not sky:
         new_sun(scene)
     camera = bpy.data.cameras.new("camera")
     camera.type, camera.ortho_scale = "ORTHO", 1.0
     above = bpy.data.objects.new("camera", camera)
-    above.location = (0.0, 0.0, 2.0)
+    eye = np.radians(job.get("eye", 90))
+    above.location = (0.0, -5.0 * np.cos(eye), 5.0 * np.sin(eye))
+    above.rotation_euler = (np.pi / 2 - eye, 0.0, 0.0)
     scene.collection.objects.link(above)
     scene.camera = above
 
@@ -161,8 +178,10 @@ def new_scene(job, image, file="", sky=""):
     scene.display_settings.display_device = "sRGB"
     scene.view_settings.view_transform = "Standard"
     settings = scene.libshade if job["engine"] == "LIBSHADE" else scene.cycles
+    if job["engine"] == "CYCLES" and "bounces" in job:
+        settings.diffuse_bounces = settings.glossy_bounces = job["bounces"]
     for name, value in {
-        "samples": job["samples"], "max_bounces": BOUNCES if sky else 0, "pixel_filter_type": "BOX",
+        "samples": job["samples"], "max_bounces": job.get("bounces", BOUNCES) if sky else 0, "pixel_filter_type": "BOX",
         "use_adaptive_sampling": False, "use_denoising": False, "light_sampling_threshold": 0.0,
         "sample_clamp_direct": 0.0, "sample_clamp_indirect": 0.0, "blur_glossy": 0.0,
         "soft_terminator": False, "filter_normals": False, "seed": job.get("seed", 0),

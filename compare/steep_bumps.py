@@ -3,6 +3,9 @@
 
 build/bumps (compare/bumps/) traces displaced fields of metal with up to 32 reflections, and shades the same fields
 by their normals with each choice of horizon. Surfaces: a noise of waves, a sine plate, ridges seen across and along.
+`mutual` knows the slopes of the whole field, as renderers find them; mutual_near those of a window about each point.
+With --long lobes are long, too (not on the sine plate); with --uneven fields are: waves of four octaves, long waves
+with fine ones, roofs, an embossed letter, pits, scratches, and noise on one half.
 Eyes stand at 15 to 75 degrees, reflectances are .6 and 1, lights five drawn skies (even, bright zenith, bright
 horizon, a bright patch before and behind the eye) and twelve suns of 5 to 60 degrees.
 
@@ -31,13 +34,18 @@ SURFACES = ("noise", "sine", "ridges_across", "ridges_along")
 SLOPES = (0.3, 0.6, 1.0, 1.6)
 ROUND = [("ggx", alpha, alpha) for alpha in (0.05, 0.2, 0.4)]
 LONG = [("ggx", 0.05, 0.4), ("ggx", 0.4, 0.05), ("ashikhmin_shirley", 200, 10), ("ashikhmin_shirley", 10, 200)]
+UNEVEN = {"fractal": "1/f", "long_and_fine": "long waves with fine ones", "roofs": "roofs", "letter": "letter", "pits": "pits",
+          "scratches": "scratches", "half": "half flat"}
+UNEVEN_PATHS = 8000  # an eye, at most: their fields are four times as large
+UNEVEN_CASES = [(surface, slope, ("ggx", alpha, alpha)) for surface in UNEVEN for slope in (0.6, 1.0) for alpha in (0.05, 0.2)]
 PROGRAM = programs.BUILD / "bumps"
 WORDS = ("surface", "mdf", "light", "way")
 KEY = ("surface", "slope", "mdf", "first", "second")
 FLOOR = 0.1  # of what an eye sees of all suns
 WORSE = 0.03
 OLD = "valid_estevez"
-LABELS = {"noise": "noise", "all": "all four surfaces"}
+LABELS = {"noise": "noise", "all": "all even surfaces", **UNEVEN, "uneven": "all uneven surfaces"}
+PATCHES = ("patch_before", "patch_behind")
 
 
 def arguments(argv=None):
@@ -46,6 +54,7 @@ def arguments(argv=None):
     parser.add_argument("--surfaces", default=",".join(SURFACES), help=f"some of {', '.join(SURFACES)} (default all)")
     parser.add_argument("--slopes", default=",".join(map(str, SLOPES)), help="default %(default)s")
     parser.add_argument("--long", action="store_true", help="lobes that are long, too: GGX .05, .4 and Ashikhmin-Shirley 200, 10")
+    parser.add_argument("--uneven", action="store_true", help="uneven surfaces, too, at slopes .6 and 1")
     parser.add_argument("--results", action="store_true", help="rewrite docs/results/, as make compare does")
     parser.add_argument("--output", type=Path, default=programs.BUILD / "compare" / "bumps",
                         help="folder for results (default build/compare/bumps)")
@@ -63,9 +72,10 @@ def arguments(argv=None):
 def trace(options, case):
     """The CSV file of a case: its name holds all that it was asked for."""
     surface, slope, (mdf, first, second) = case
-    path = options.output / f"{surface}-{slope:g}-{mdf}-{first:g}-{second:g}-{options.paths}.csv"
+    paths = min(options.paths, UNEVEN_PATHS) if surface in UNEVEN else options.paths
+    path = options.output / f"{surface}-{slope:g}-{mdf}-{first:g}-{second:g}-{paths}.csv"
     if not path.exists() or path.stat().st_mtime < PROGRAM.stat().st_mtime:
-        command = [PROGRAM, path, surface, slope, mdf, first, second, options.paths]
+        command = [PROGRAM, path, surface, slope, mdf, first, second, paths]
         done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
         if done.returncode:
             raise report.StepFailed(f"{PROGRAM}: exit status {done.returncode}: {done.stderr.strip()}")
@@ -74,8 +84,8 @@ def trace(options, case):
 
 def measure(options):
     """All rows, numbers as such, with progress."""
-    lobes = ROUND + (LONG if options.long else [])
-    cases = [(surface, slope, lobe) for surface in options.surfaces for slope in options.slopes for lobe in lobes]
+    cases = [(surface, slope, lobe) for surface in options.surfaces for slope in options.slopes
+             for lobe in ROUND + (LONG if options.long and surface != "sine" else [])] + (UNEVEN_CASES if options.uneven else [])
     rows = []
     progress = report.Progress("Tracing displaced bumps")
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -123,20 +133,29 @@ def is_long(row):
     return row["first"] != row["second"]
 
 
+def light_of(row):
+    """What its line of the table says it is lit by, or ""."""
+    if row["light"].startswith("sun"):
+        return "" if row["light"].startswith("sun_5_") else "suns from 15°"
+    return "skies" if row["surface"] not in UNEVEN else "patches" if row["light"] in PATCHES else "even, zenith, horizon"
+
+
+def is_of(name, row):
+    return row["surface"] == name or name == ("uneven" if row["surface"] in UNEVEN else "all")
+
+
 def lines(found, ways):
     """Lines (surfaces, lobes, lights, slope, cases, {way: (median, 95 %)}, noise)."""
     made = []
-    for long in sorted({is_long(row) for row in found}):
-        for name in LABELS:
-            for light in ("skies", "suns from 15°"):
-                for slope in sorted({row["slope"] for row in found}):
-                    here = [row for row in found if row["slope"] == slope and is_long(row) == long
-                            and (name == "all" or row["surface"] == name) and row["light"].startswith("sun") == (light != "skies")
-                            and not row["light"].startswith("sun_5_")]
-                    if here:
-                        of = {way: [row for row in here if row["way"] == way] for way in ways}
-                        made.append((LABELS[name], "long" if long else "round", light, slope, len(of[ways[0]]),
-                                     {way: spread(of[way]) for way in ways}, spread(of[ways[0]], "noise")))
+    for name in LABELS:
+        for long in (False, True):
+            of_name = [row for row in found if is_of(name, row) and is_long(row) == long]
+            for light in dict.fromkeys(filter(None, map(light_of, of_name))):
+                for slope in sorted({row["slope"] for row in of_name}):
+                    here = [row for row in of_name if row["slope"] == slope and light_of(row) == light]
+                    of = {way: [row for row in here if row["way"] == way] for way in ways}
+                    made.append((LABELS[name], "long" if long else "round", light, slope, len(of[ways[0]]),
+                                 {way: spread(of[way]) for way in ways}, spread(of[ways[0]], "noise")))
     return made
 
 

@@ -18,6 +18,11 @@ that has one colour where the normal is one, found with the truth at hand: no me
 normal and nothing else comes nearer. The exit status asks for less than the error of Cycles, in the
 median; what is wanted is a third of it, and whether that is reached is said, and kept in truth.json.
 
+With --surface noise or ridges, or with --eye, the rules of the horizon are compared under skies, `mutual` among
+them, whose bumps shade and light each other: round lobes of GGX, bumps as steep as --slope, with up to 12
+bounces; --eye is how many degrees the eye stands above the plate. What is of the normal alone is known from above
+alone, of waves. The exit status asks that `mutual` be no further off than `valid_estevez`, today's rule, in the median.
+
 With --surface scratches the bumps are a field of `shade scratch`: its height picture
 displaces the mesh, whose normals are the mesh's own; its normal picture is the normal map.
 The error is then taken off the creases, where pits meet each other and the plate. More
@@ -56,8 +61,11 @@ def arguments(argv=None):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--surface", choices=("waves", "scratches"), default="waves",
+    parser.add_argument("--surface", choices=("waves", "scratches", "noise", "ridges"), default="waves",
                         help="what is bumped (default waves)")
+    parser.add_argument("--eye", type=float, help="degrees above the plate, 15 to 90 (default 90)")
+    parser.add_argument("--slope", type=float, default=1.0,
+                        help="of --surface noise and ridges and with --eye: of the bumps, 0.1 to 2 (default 1)")
     parser.add_argument("--light", choices=("sun", "sky"), default="sun",
                         help="what lights it (default sun)")
     parser.add_argument("--sky", type=Path, action="append",
@@ -73,22 +81,37 @@ def arguments(argv=None):
                         help="folder for results (default build/compare/truth, or "
                              "build/compare/truth-scratches, build/compare/truth-sky)")
     options = parser.parse_args(argv)
+    options.horizons = options.surface in ("noise", "ridges") or options.eye is not None
+    options.eye = 90.0 if options.eye is None else options.eye
+    if not (15 <= options.eye <= 90 and 0.1 <= options.slope <= 2):
+        parser.error("--eye wants 15 to 90 degrees, --slope 0.1 to 2")
+    if options.horizons:
+        if options.surface == "scratches":
+            parser.error("--eye is for waves, noise and ridges")
+        options.light = "sky"
     if options.size is None:
         options.size = 256 if options.light == "sky" else 512
     tile = 4 * 4 * plate.PERIODS
-    if options.light == "sky" and (options.surface != "waves" or options.size < 1
+    if options.light == "sky" and (options.surface == "scratches" or options.size < 1
                                    or options.size % tile):
-        parser.error(f"--light sky is for --surface waves, of a --size that is a multiple of {tile}")
+        parser.error(f"--light sky is not for --surface scratches, and for a --size that is a multiple of {tile}")
     if options.sky and options.light != "sky":
         parser.error("--sky is for --light sky")
     for sky in options.sky or ():
         if not sky.is_file():
             parser.error(f"{sky}: no such file")
     if options.output is None:
-        name = "truth-sky" if options.light == "sky" else \
+        name = f"truth-{options.surface}-{options.eye:g}-{options.slope:g}" if options.horizons else \
+            "truth-sky" if options.light == "sky" else \
             "truth" if options.surface == "waves" else "truth-scratches"
         options.output = programs.BUILD / "compare" / name
     return options
+
+
+HORIZONS = ("hard", "valid_estevez", "schuessler", "mutual")
+BEFORE = "valid_estevez"
+ROUND = (0.2**0.5, 0.0)  # roughness and anisotropy of alphas of .2
+BOUNCES = 12  # where bumps see each other
 
 
 def methods(options):
@@ -104,10 +127,25 @@ def scratch(*arguments):
         raise SystemExit(done.stderr.strip())
 
 
+def save_mesh(path, positions, faces, uv):
+    with whole.place(path) as part:
+        np.savez(part, positions=positions, faces=faces, uv=uv)
+
+
+def tiles(options):
+    """How many plates in a row fill the picture of an eye that stands aslant, and what bumps hide of them."""
+    return 1 if options.eye == 90 else 2 * int(np.ceil((1 / np.sin(np.radians(options.eye)) + 0.5) / 2)) + 1
+
+
 def prepare(options):
     """Write the normal map, and the mesh where it is a field of scratches; the order's part."""
     folder = options.output
     order = {"normal_map": str(folder / "normals.exr"), "mesh": ""}
+    if options.horizons:
+        pictures.write_float(order["normal_map"], plate.relief_map(options.surface, options.slope, options.map))
+        order["mesh"] = str(folder / "mesh.npz")
+        save_mesh(order["mesh"], *plate.relief_mesh(options.surface, options.slope, options.quads, tiles(options)))
+        return order
     if options.surface == "waves":
         pictures.write_float(order["normal_map"], plate.normal_map(options.map))
         return order
@@ -115,8 +153,7 @@ def prepare(options):
     scratch("--height", folder / "height.exr", "--size", options.quads)
     positions, faces, uv = plate.height_mesh(pictures.read(folder / "height.exr")[..., 0])
     order["mesh"] = str(folder / "mesh.npz")
-    with whole.place(order["mesh"]) as part:
-        np.savez(part, positions=positions, faces=faces, uv=uv)
+    save_mesh(order["mesh"], positions, faces, uv)
     return order
 
 
@@ -142,6 +179,13 @@ def run(options, jobs):
 
 
 def jobs_of(options):
+    if options.horizons:
+        shared = {"ggx": ROUND, "bounces": BOUNCES, "eye": options.eye, "tiles": tiles(options), "color": 0.6}
+        return {
+            "displaced": {"engine": "CYCLES", "surface": "displaced", **shared},
+            CYCLES: {"engine": "CYCLES", "surface": "bumped", **shared},
+            **{h: {"engine": "LIBSHADE", "surface": "bumped", "detail": "rotate", "horizon": h.upper(), **shared} for h in HORIZONS},
+        }
     jobs = {
         "displaced": {"engine": "CYCLES", "surface": "displaced"},
         CYCLES: {"engine": "CYCLES", "surface": "bumped"},
@@ -181,7 +225,8 @@ def render_skies(options):
     """{sky: {name: picture}}."""
     files, jobs = skies(options), {}
     for sky, file in files.items():
-        one = {**jobs_of(options), AGAIN: {"engine": "CYCLES", "surface": "displaced"}}
+        one = jobs_of(options)
+        one[AGAIN] = one["displaced"]
         # seeds of their own: noise that pictures have in common would pass for likeness
         jobs.update({(sky, name): {**job, "sky": str(file), "seed": seed}
                      for seed, (name, job) in enumerate(one.items())})
@@ -213,13 +258,14 @@ NORMAL = "of the normal alone"
 NOISE = "noise of the truth"
 
 
-def errors_under(images):
+def errors_under(images, by_normals=True):
     """Of one sky's pictures: {name: error}, with that of the best picture by normals, and noise."""
     images = {name: paths.blocks(image) for name, image in images.items()}
     again = images.pop(AGAIN)
     noise = pictures.relative_difference(again, images["displaced"]) / 2.0
     images["displaced"] = (images["displaced"] + again) / 2.0
-    images[NORMAL] = of_the_normal_alone(images["displaced"])
+    if by_normals:
+        images[NORMAL] = of_the_normal_alone(images["displaced"])
     return {**errors(images), NOISE: noise}
 
 
@@ -238,10 +284,9 @@ def label(name):
     return {"displaced": "displaced mesh (truth)"}.get(name, name.replace("_", "-"))
 
 
-def write_strip(images, measured, mean, path):
+def write_strip(images, measured, mean, path, names=("displaced", "rotate", "gram_schmidt", CYCLES, "perturb")):
     """The pictures side by side, each with its error; that of the truth as bright as `mean`."""
-    order = [name for name in ("displaced", "rotate", "gram_schmidt", CYCLES, "perturb")
-             if name in images]
+    order = [name for name in names if name in images]
     scale = mean / images["displaced"].mean()
     figure, axes = pyplot(path.parent).subplots(1, len(order), figsize=(3 * len(order), 3.3),
                                                 layout="constrained")
@@ -272,6 +317,35 @@ def write_chart(measured, limit, path):
     axes.set_xlabel("mean absolute error / mean, against the displaced plate (dotted: limit)")
     with whole.place(path) as part:
         figure.savefig(part, dpi=120)
+
+
+def main_horizons(options):
+    """The rules of the horizon under skies."""
+    pictures_of = render_skies(options)
+    floor = (NORMAL,) if options.surface == "waves" and options.eye == 90 else ()
+    measured = {sky: errors_under(images, bool(floor)) for sky, images in pictures_of.items()}
+    median = {name: float(np.median([one[name] for one in measured.values()])) for name in next(iter(measured.values()))}
+    worse = [sky for sky, one in measured.items() if one["mutual"] > one[BEFORE] + one[NOISE]]
+    dark = {name: float(np.mean([images[name].max(-1) < 0.05 * images["displaced"].mean() for images in pictures_of.values()]))
+            for name in ("displaced", CYCLES, *HORIZONS)}
+    bright = {name: float(np.mean([images[name].mean() / images["displaced"].mean() for images in pictures_of.values()]))
+              for name in (CYCLES, *HORIZONS)}
+    ok = median["mutual"] <= median[BEFORE]
+    first = next(iter(pictures_of))
+    write_strip(pictures_of[first], measured[first], 0.2, options.output / "strip.png", ("displaced", BEFORE, "mutual", CYCLES))
+    whole.write_text(options.output / "truth.json", json.dumps(
+        {"skies": measured, "errors": median, "worse": worse, "dark": dark, "brightness": bright, "ok": ok, "size": options.size,
+         "samples": options.samples, "quads": options.quads, "surface": options.surface, "eye": options.eye, "slope": options.slope}, indent=1))
+    names = [*HORIZONS, CYCLES, *floor, NOISE]
+    print()
+    print(report.table([f"{options.surface}, slope {options.slope:g}, eye at {options.eye:g} degrees, under", *map(label, names)],
+                       [[sky, *(f"{one[name]:.4f}" for name in names)] for sky, one in [*measured.items(), ("median", median)]]
+                       + [[what, *(f"{of[name]:.4f}" if name in of else "" for name in names)]
+                          for what, of in (("brightness over the truth's", bright), ("dark pixels", dark))]))
+    print(f"\n`mutual` is further off than {label(BEFORE)}, by more than the noise, under: {', '.join(worse) or 'none'}"
+          + ("" if ok else f"\nMISSED: further off than {label(BEFORE)} in the median."))
+    print(f"\nPictures and figures: {options.output}")
+    return 0 if ok else 1
 
 
 def main_sky(options):
@@ -323,6 +397,8 @@ def main(argv=None):
     options = arguments(argv)
     options.output = options.output.resolve()
     options.output.mkdir(parents=True, exist_ok=True)
+    if options.horizons:
+        return main_horizons(options)
     if options.light == "sky":
         return main_sky(options)
     images = render(options)

@@ -14,25 +14,45 @@ typedef struct vec {
 #define PERIOD (2 * PI) /* along x and y */
 
 /* z = slope sin x sin y; waves of three to seven periods of random directions; slope sin x, seen
- * across and along */
-typedef enum kind { SINE, NOISE, RIDGES_ACROSS, RIDGES_ALONG, KINDS } kind;
+ * across and along. Uneven ones: waves of four octaves, of equal slopes; long waves with fine ones;
+ * roofs with fine waves; a ring and a bar that stand out, with bevels; pits; grooves of seven
+ * directions; noise on one half. */
+typedef enum kind {
+  SINE,
+  NOISE,
+  FRACTAL,
+  LONG_AND_FINE,
+  ROOFS,
+  LETTER,
+  PITS,
+  SCRATCHES,
+  HALF,
+  RIDGES_ACROSS,
+  RIDGES_ALONG,
+  KINDS
+} kind;
 extern const char *const kind_words[KINDS];
-
-enum { SIDE = 512 }; /* points along a period */
 
 typedef struct field {
   kind kind;
-  float *height, *slope_x, *slope_y; /* SIDE * SIDE each, in one piece of memory */
+  int side;                          /* points along a period, a power of 2 */
+  float *height, *slope_x, *slope_y; /* side * side each, in one piece of memory */
+  float *near[3]; /* likewise: second moment of slopes in a window about a point */
   double low, high, steepest;
   double xx, xy, yy; /* second moment of the slopes, whose mean is 0 */
 } field;
 
-/* `slope` is the root of twice the slopes' variance along x (sine, noise) or the steepest (ridges).
+/* `slope` is the root of twice the slopes' variance along x and y (sine, waves, roofs), or the
+ * steepest.
  * 0 without memory. */
 int field_make(field *f, kind kind, double slope);
 void field_free(field *f);
 
 vec field_normal(const field *f, double x, double y);
+
+/* xx, xy, yy of the slopes in a window about a point. The window is the finest of those, each twice
+ * as wide as the one before, within which four fifths of the slopes' variance are. */
+void field_near(const field *f, double x, double y, double moment[3]);
 
 /* The first meeting of a ray with it, as a distance, or -1. `along` is unit, `from` not below it.
  */

@@ -20,7 +20,7 @@
 #include "shade/shade.h"
 
 enum { SKIES = 5, ELEVATIONS = 4, TURNS = 3, SUNS = ELEVATIONS * TURNS, LIGHTS = SKIES + SUNS };
-enum { EYES = 5, COLORS = 2, WAYS = SHADE_HORIZON_COUNT + 1, BOUNCES = 32, HALVES = 2 };
+enum { EYES = 5, COLORS = 2, WAYS = SHADE_HORIZON_COUNT + 2, BOUNCES = 32, HALVES = 2 };
 
 static const char *const sky_words[SKIES] = {"even", "zenith", "horizon", "patch_before",
                                              "patch_behind"};
@@ -63,20 +63,22 @@ static void add_skies(const view *v, vec d, const double weight[COLORS], sums *t
 }
 
 /* f cos of the lobe; a sun's irradiance, facing it, is 1. */
-static double shaded(const shade_bsdf *b, vec n, vec wi, vec wo) {
-  const double at[3][3] = {{n.x, n.y, n.z}, {wi.x, wi.y, wi.z}, {wo.x, wo.y, wo.z}};
+static double shaded(const shade_bsdf *b, const shade_bsdf_hit *hit, vec wi) {
   double f[3], cosine;
-  shade_bsdf_eval(b, at[0], at[1], at[2], f, &cosine);
+  shade_bsdf_hit_eval(b, hit, (const double[3]){wi.x, wi.y, wi.z}, f, &cosine);
   return f[0] * cosine;
 }
 
+static void prepare(const shade_bsdf *b, vec n, vec wo, shade_bsdf_hit *hit) {
+  shade_bsdf_prepare(b, (const double[3]){n.x, n.y, n.z}, (const double[3]){wo.x, wo.y, wo.z}, hit);
+}
+
 /* A direction drawn from it, and its weight, or 0. */
-static double drawn(const shade_bsdf *b, vec n, vec wo, uint64_t *random, vec *wi) {
-  const double at[2][3] = {{n.x, n.y, n.z}, {wo.x, wo.y, wo.z}};
+static double drawn(const shade_bsdf *b, const shade_bsdf_hit *hit, uint64_t *random, vec *wi) {
   double u[2], w[3], f[3], pdf, cosine;
   u[0] = uniform(random);
   u[1] = uniform(random);
-  shade_bsdf_sample(b, at[0], at[1], u, w, f, &pdf, &cosine);
+  shade_bsdf_hit_sample(b, hit, u, w, f, &pdf, &cosine);
   *wi = (vec){w[0], w[1], w[2]};
   return pdf > 0 ? f[0] * cosine / pdf : 0;
 }
@@ -105,17 +107,19 @@ static void trace(const field *f, const shade_bsdf *facet, const view *v, double
     if (wo.z <= 0) /* between the points of the grid normals are not quite the surface's */
       return;
     p = plus(p, 1e-3, n);
+    shade_bsdf_hit hit;
+    prepare(facet, above, wo, &hit);
     for (int c = 0; c < COLORS; c++)
       weight[c] *= color[c];
     for (int s = 0; s < SUNS; s++) {
       const vec sun = v->sun[s], wi = {dot(tx, sun), dot(ty, sun), dot(n, sun)};
-      const double value = wi.z > 0 ? shaded(facet, above, wi, wo) : 0;
+      const double value = wi.z > 0 ? shaded(facet, &hit, wi) : 0;
       if (value * weight[COLORS - 1] > 1e-6 && field_cast(f, p, sun) < 0)
         for (int c = 0; c < COLORS; c++)
           to->of[c][SKIES + s] += weight[c] * value;
     }
     vec wi;
-    const double kept = drawn(facet, above, wo, random, &wi);
+    const double kept = drawn(facet, &hit, random, &wi);
     if (kept <= 0)
       return;
     for (int c = 0; c < COLORS; c++)
@@ -131,11 +135,13 @@ static void shade_map(const field *f, const shade_bsdf ways[COLORS], const view 
   for (int c = 0; c < COLORS; c++) {
     vec wi;
     double weight[COLORS] = {0};
-    weight[c] = drawn(&ways[c], n, v->wo, random, &wi);
+    shade_bsdf_hit hit;
+    prepare(&ways[c], n, v->wo, &hit);
+    weight[c] = drawn(&ways[c], &hit, random, &wi);
     if (weight[c] > 0)
       add_skies(v, wi, weight, to);
     for (int s = 0; s < SUNS; s++)
-      to->of[c][SKIES + s] += shaded(&ways[c], n, v->sun[s], v->wo);
+      to->of[c][SKIES + s] += shaded(&ways[c], &hit, v->sun[s]);
   }
 }
 
@@ -146,7 +152,9 @@ static int usage(FILE *to) {
         "The mean brightness of bumps of metal, displaced and by their normals with each choice of "
         "horizon,\n"
         "for eyes of 15 to 75 degrees, reflectances .6 and 1, five skies and twelve suns.\n\n"
-        "  SURFACE        sine, noise, ridges_across or ridges_along (the eye's direction)\n"
+        "  SURFACE        sine, noise, ridges_across or ridges_along (the eye's direction); "
+        "fractal,\n"
+        "                 long_and_fine, roofs, letter, pits, scratches or half\n"
         "  SLOPE          0.01 to 2\n"
         "  MDF            as for `shade eval`; its BRDF is the one that goes with it\n"
         "  FIRST SECOND   along x and y: exponents of ashikhmin_shirley, alphas of the others\n"
@@ -192,9 +200,21 @@ static void set_color(shade_params *p, double to) {
   p->f0[0] = p->f0[1] = p->f0[2] = to;
 }
 
-/* [half][0: displaced; then the horizons] of one eye. */
+static void set_mutual(shade_params *p, const double slopes[5], shade_bsdf to[COLORS]) {
+  p->horizon = SHADE_HORIZON_MUTUAL;
+  shade_params_set_slopes(p, slopes);
+  for (int c = 0; c < COLORS; c++) {
+    set_color(p, color[c]);
+    shade_bsdf_setup(&to[c], p);
+  }
+}
+
+/* [half][0: displaced; then the horizons, the last of which is mutual by the slopes near a point]
+ * of one eye. */
 static void look(const field *f, const order *o, int eye, sums mean[HALVES][WAYS]) {
   shade_params p = o->params;
+  enum { MUTUAL = SHADE_HORIZON_MUTUAL };
+  const double whole[5] = {0, 0, f->xx, f->xy, f->yy};
   shade_bsdf facet, ways[SHADE_HORIZON_COUNT][COLORS];
   p.detail = SHADE_DETAIL_NONE;
   set_color(&p, 1);
@@ -203,11 +223,10 @@ static void look(const field *f, const order *o, int eye, sums mean[HALVES][WAYS
   for (int h = 0; h < SHADE_HORIZON_COUNT; h++)
     for (int c = 0; c < COLORS; c++) {
       p.horizon = (shade_horizon)h;
-      if (h == SHADE_HORIZON_MUTUAL)
-        shade_params_set_slopes(&p, (const double[5]){0, 0, f->xx, f->xy, f->yy});
       set_color(&p, color[c]);
       shade_bsdf_setup(&ways[h][c], &p);
     }
+  set_mutual(&p, whole, ways[MUTUAL]);
   /* around the map for what is the same from everywhere; ridges from one side */
   const int turns = f->kind < RIDGES_ACROSS ? 8 : 1;
   const double from = f->kind == RIDGES_ALONG ? PI / 2 : turns > 1 ? PI / 16 : 0;
@@ -224,6 +243,11 @@ static void look(const field *f, const order *o, int eye, sums mean[HALVES][WAYS
         trace(f, &facet, &v, x, y, &random, &mean[half][0]);
         for (int h = 0; h < SHADE_HORIZON_COUNT; h++)
           shade_map(f, ways[h], &v, x, y, &random, &mean[half][1 + h]);
+        double near[3];
+        field_near(f, x, y, near);
+        set_mutual(&p, (const double[5]){0, 0, near[0], near[1], near[2]}, ways[MUTUAL]);
+        shade_map(f, ways[MUTUAL], &v, x, y, &random, &mean[half][1 + SHADE_HORIZON_COUNT]);
+        set_mutual(&p, whole, ways[MUTUAL]);
       }
     }
   for (int half = 0; half < HALVES; half++)
@@ -231,6 +255,12 @@ static void look(const field *f, const order *o, int eye, sums mean[HALVES][WAYS
       for (int c = 0; c < COLORS; c++)
         for (int k = 0; k < LIGHTS; k++)
           mean[half][way].of[c][k] *= share;
+}
+
+static const char *name_of(int way) {
+  return way == 0                    ? "displaced"
+         : way > SHADE_HORIZON_COUNT ? "mutual_near"
+                                     : shade_list_word(SHADE_LIST_HORIZON, way - 1);
 }
 
 static void write_eye(FILE *to, const order *o, int eye, sums mean[HALVES][WAYS]) {
@@ -245,9 +275,8 @@ static void write_eye(FILE *to, const order *o, int eye, sums mean[HALVES][WAYS]
       for (int way = 0; way < WAYS; way++)
         fprintf(to, "%s,%g,%s,%g,%g,%g,%g,%s,%s,%.7g,%.7g\n", kind_words[o->kind], o->slope,
                 shade_list_word(SHADE_LIST_MDF, (int)o->params.mdf), o->first, o->second,
-                eye_elevation[eye], color[c], light,
-                way ? shade_list_word(SHADE_LIST_HORIZON, way - 1) : "displaced",
-                mean[0][way].of[c][k], mean[1][way].of[c][k]);
+                eye_elevation[eye], color[c], light, name_of(way), mean[0][way].of[c][k],
+                mean[1][way].of[c][k]);
     }
 }
 

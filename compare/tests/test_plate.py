@@ -22,6 +22,23 @@ def test_slopes_are_those_of_the_height():
     assert np.allclose((plate.height(u, v + e) - plate.height(u, v - e)) / (2 * e), dv, atol=1e-8)
 
 
+@pytest.mark.parametrize("surface", ["waves", "noise", "ridges"])
+def test_reliefs_have_their_slopes_and_repeat(surface):
+    u, v = np.random.default_rng(3).random((2, 1000))
+    e, at = 1e-6, lambda u, v: plate.relief(surface, 1.5, u, v)
+    height, du, dv = at(u, v)
+    assert np.allclose((at(u + e, v)[0] - at(u - e, v)[0]) / (2 * e), du, atol=1e-7)
+    assert np.allclose((at(u, v + e)[0] - at(u, v - e)[0]) / (2 * e), dv, atol=1e-7)
+    assert np.allclose(at(u + 1, v - 2)[0], height)
+    _, du, dv = at(*plate.grid(64))
+    assert (np.hypot(du, dv).max() if surface != "noise" else np.sqrt(2 * (du**2 + dv**2).mean())) == pytest.approx(1.5, rel=.05)
+    n = 2 * plate.relief_map(surface, 1.5, 64)[::-1] - 1
+    assert np.allclose(-n[..., 0] / n[..., 2], du, atol=1e-5) and np.allclose(-n[..., 1] / n[..., 2], dv, atol=1e-5)
+    positions, faces, uv = plate.relief_mesh(surface, 1.5, 8, 3)
+    assert faces.shape == (192, 4) and faces.max() == len(positions) - 1 and positions[:, 1].min() == -1.5
+    assert np.array_equal(positions[:, :2], uv - 0.5) and np.allclose(positions[:, 2], at(*uv.T)[0])
+
+
 def test_normals_stand_on_the_surface():
     u, v = np.random.default_rng(4).random((2, 1000))
     n, (du, dv) = plate.normals(u, v), plate.slopes(u, v)

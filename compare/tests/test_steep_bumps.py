@@ -4,7 +4,7 @@ import pytest
 
 import steep_bumps as bumps
 
-COST = 1
+COST = 1.7
 
 
 def traced(tmp_path, *order):
@@ -38,6 +38,22 @@ def test_without_bumps_every_way_is_the_displaced_one(tmp_path):
             assert value == pytest.approx(found[eye, reflectance, light, "displaced"], rel=0.03), (eye, light, way)
         if light.startswith("sun_60") and way != "schuessler":  # whose upright mirrors, however small, send light back
             assert value == pytest.approx(found[eye, reflectance, light, "displaced"], rel=0.1, abs=0.01), (eye, light, way)
+
+
+def test_slopes_near_a_point_are_those_of_its_window(tmp_path):
+    """Of scratches, most of whose plate is flat: what is near a point says more than the mean of all."""
+    plate = traced(tmp_path, "scratches", 1, ("ggx", 0.2, 0.2), 1000)
+    off = [value / plate[(*key, "displaced")] - 1 for *key, way, value in ((*key, value) for key, value in plate.items())
+           if way == "mutual_near" and key[2] in ("even", "zenith", "horizon")]
+    assert len(off) == 30 and abs(sum(off) / 30) < 0.015 and sorted(map(abs, off))[15] < 0.022
+
+
+def test_lights_of_lines():
+    rows = [dict(row("hard", light, 1.0), surface=surface) for surface in ("noise", "pits")
+            for light in ("even", "patch_behind", "sun_5_0", "sun_30_90")]
+    assert [bumps.light_of(one) for one in rows] == ["skies", "skies", "", "suns from 15°",
+                                                    "even, zenith, horizon", "patches", "", "suns from 15°"]
+    assert [[bumps.is_of(name, one) for one in rows[::4]] for name in ("all", "uneven", "pits")] == [[1, 0], [0, 1], [0, 1]]
 
 
 def row(way, light, mean, again=None):
