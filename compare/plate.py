@@ -63,9 +63,7 @@ def relief(surface, slope, u, v):
 
 def relief_map(surface, slope, size):
     """Its tangent-space normal map, as normal_map()."""
-    _, du, dv = relief(surface, slope, *grid(size))
-    n = np.stack([-du, -dv, np.ones_like(du)], axis=-1)
-    return (0.5 + 0.5 * n[::-1] / np.linalg.norm(n[::-1], axis=-1, keepdims=True)).astype(np.float32)
+    return (0.5 + 0.5 * normals_of(*relief(surface, slope, *grid(size))[1:])[::-1]).astype(np.float32)
 
 
 def relief_mesh(surface, slope, quads, tiles):
@@ -79,7 +77,11 @@ def relief_mesh(surface, slope, quads, tiles):
 
 def normals(u, v):
     """Unit normals of the displaced surface, shape (..., 3)."""
-    du, dv = slopes(u, v)
+    return normals_of(*slopes(u, v))
+
+
+def normals_of(du, dv):
+    """Unit normals by slopes."""
     n = np.stack([-du, -dv, np.ones_like(du)], axis=-1)
     return n / np.linalg.norm(n, axis=-1, keepdims=True)
 
