@@ -196,7 +196,7 @@ bool is_before(const FINISH *a, const FINISH *b) {
 // Once the scene is read: what each block with `horizon mutual` that says no slopes has on its
 // objects. Those that share a texture share its slopes.
 void Parser::Find_Mdf_Slopes() {
-  const double MOST = 4096.0, ALL = 1 << 22;
+  const double MOST = 4096.0, ALL = 1 << 20;
   typedef std::vector<ObjectPtr> Objects;
   mdf::Scene &scene = *sceneData->mdfScene;
   Objects bumpy;
@@ -229,7 +229,7 @@ void Parser::Find_Mdf_Slopes() {
   Trace::RadiosityFunctor radiosity;
   const Eye eye(sceneData->parsedCamera);
   SlopeTrace trace(sceneData, &own, cooperate, media, radiosity, eye);
-  const double points = std::max(std::min(ALL / (double)bumpy.size(), MOST), 256.0);
+  const double points = std::max(std::min(ALL / (double)bumpy.size(), MOST), 128.0);
   for (Objects::const_iterator i = bumpy.begin(); i != bumpy.end(); ++i) {
     const Aim aim(*i, eye.place);
     std::vector<double> depths;
