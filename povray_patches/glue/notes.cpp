@@ -150,7 +150,7 @@ std::string Mdf_Slopes_Note(const mdf::Material &m) {
   if (std::fabs(v[3]) > 0.05 * most)
     text << ", correlation " << v[3] / most;
   if (v[0] * v[0] + v[1] * v[1] > 0.05 * 0.05 * (v[2] + v[4]))
-    text << ", mean " << v[0] << ", " << v[1];
+    text << ", mean " << v[0] + 0.0 << ", " << v[1] + 0.0; // no -0
   text << "\n";
   return text.str();
 }

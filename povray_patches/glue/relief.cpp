@@ -262,6 +262,8 @@ void Parser::Find_Mdf_Slopes() {
     FINISH *const finish = const_cast<FINISH *>(wanted[i]); // of a texture, which is the scene's
     const std::string name = finish->Mdf->name;
     double slopes[5];
+    if (!(trace.Of(finish).weight > 0.0)) // nothing of it is to be seen
+      continue;
     if (!trace.Of(finish).slopes(slopes)) {
       Warn_Mdf("'horizon mutual' (" + name + ") is 'horizon hard' here: its texture has no bumps.");
       continue;
