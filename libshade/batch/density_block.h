@@ -156,28 +156,14 @@ static void add_mirrored(const bsdf *b, const sample_block *s, draw_room *m, rea
   }
 }
 
-/* Of bumps that shade each other, lane by lane. */
-static unsigned bumps_density_block(const bsdf *b, const sample_block *s, real *restrict pdf) {
-  unsigned status = SHADE_OK;
-  for (size_t i = 0; i < s->count; i++) {
-    bsdf one;
-    bsdf_hit h;
-    lane_hit(b, s, i, &one, &h);
-    const triple wi = {s->wi.x[i], s->wi.y[i], s->wi.z[i]};
-    if (opposite(XYZ(wi), XYZ(h.wo)))
-      pdf[i] = 0, status = SHADE_BAD_INPUT;
-    else
-      pdf[i] = hit_density(&one, &h, wi);
-  }
-  return status;
-}
+/* Bumps that shade each other: mutual_block.h. */
+static unsigned bumps_density_block(const bsdf *b, const sample_block *s, draw_room *m,
+                                    real *restrict pdf);
 
 /* density_block for any horizon; 0 for opposite directions, as f is. */
 static unsigned density_of_paths(const bsdf *b, const sample_block *s, draw_room *m,
                                  real *restrict pdf) {
-  if (s->bumps)
-    return bumps_density_block(b, s, pdf);
-  unsigned status = density_block(b, s, m, pdf);
+  unsigned status = s->bumps ? bumps_density_block(b, s, m, pdf) : density_block(b, s, m, pdf);
   if (shade_horizon_is(b->horizon).facets)
     add_mirrored(b, s, m, pdf);
   if (status)

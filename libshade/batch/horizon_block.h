@@ -105,58 +105,8 @@ static unsigned facets_block(const bsdf *b, const sample_block *s, const results
   return status;
 }
 
-/*
- * The material of one lane, in the frame of its directions. Bumps that shade each other are shaded
- * lane by lane: most of what they take is per eye.
- */
-static void lane_material(const bsdf *b, const sample_block *s, size_t i, bsdf *one) {
-  const shade_fresnel_traits reads = shade_fresnel_is(b->fresnel);
-  SUFFIX(bsdf_numbers) *own = &one->SUFFIX(numbers);
-  *one = *b;
-  own->kx = s->shape.kx[i];
-  own->ky = s->shape.ky[i];
-  own->peak = s->shape.peak[i];
-  own->gx = s->shape.gx[i];
-  own->gy = s->shape.gy[i];
-  for (int c = 0; c < 3; c++) {
-    if (reads.f0 || b->has_diffuse)
-      own->f0[c] = s->f0[c][i];
-    if (reads.tint)
-      own->tint[c] = s->tint[c][i];
-    if (reads.k)
-      own->k[c] = s->k[c][i];
-    if (b->has_diffuse)
-      own->kd[c] = s->kd[c][i];
-  }
-  for (int c = 0; c < 5; c++)
-    own->slopes[c] = s->slopes[c][i];
-  one->black = !b->has_specular;
-  one->turned = 0;
-  set_shares(one, own);
-}
-
-/* A lane's hit, whose normal and eye are mended. */
-static void lane_hit(const bsdf *b, const sample_block *s, size_t i, bsdf *one, bsdf_hit *h) {
-  lane_material(b, s, i, one);
-  prepare(one, (triple){s->n.x[i], s->n.y[i], s->n.z[i]},
-          (triple){s->wo.x[i], s->wo.y[i], s->wo.z[i]}, h);
-}
-
-static unsigned bumps_block(const bsdf *b, const sample_block *s, const results *out) {
-  unsigned status = SHADE_OK;
-  for (size_t i = 0; i < s->count; i++) {
-    bsdf one;
-    bsdf_hit h;
-    lane_hit(b, s, i, &one, &h);
-    const shaded_sample f = shaded(&one, &h, (triple){s->wi.x[i], s->wi.y[i], s->wi.z[i]});
-    out->rgb[0][i] = f.f.x;
-    out->rgb[1][i] = f.f.y;
-    out->rgb[2][i] = f.f.z;
-    out->cosine[i] = f.cosine;
-    status |= f.status;
-  }
-  return status;
-}
+/* Bumps that shade each other: mutual_block.h. */
+static unsigned bumps_block(const bsdf *b, const sample_block *s, const results *out);
 
 /*
  * No bumps here, so that all choices are `hard` (to a rounding for two facets, which are left

@@ -11,6 +11,9 @@ typedef struct lobe_shape {
   const real *kx, *ky, *peak, *gx, *gy;
 } lobe_shape;
 
+/* Which lanes has_bumps holds of. */
+enum { BUMPS_OF_NONE, BUMPS_OF_ALL, BUMPS_OF_SOME };
+
 /*
  * A block of samples as passes that call passes hand it on: by its address, for a copy reads in
  * vectors what was just written one by one, and waits. Colours are filled where they are read.
@@ -20,8 +23,9 @@ typedef struct sample_block {
   vec n, wi, wo;
   lobe_shape shape;
   const real *f0[3], *tint[3], *k[3], *kd[3];
-  int bumps; /* that shade each other: has_bumps of some lane, whose slopes are filled */
+  int bumps; /* that shade each other, whose slopes are filled */
   const real *slopes[5];
+  const struct mutual_room *met; /* what follows of these, where it is known */
 } sample_block;
 
 LEAF void pass_mdf(shade_mdf mdf, size_t count, const lobe_shape *s, const real *restrict t,

@@ -8,7 +8,7 @@
 #ifndef SHADE_BATCH_SAMPLE_BATCH_H
 #define SHADE_BATCH_SAMPLE_BATCH_H
 
-#include "draw_block.h"
+#include "mutual_block.h"
 
 /* The normal that a block's lobe is about: bent for the eye. */
 LEAF void bend_block(const bsdf *b, sample_block *s, vec_room *bent) {
@@ -78,27 +78,13 @@ static void draw_lobe(const bsdf *given, size_t count, const vec *n, const vec *
   }
 }
 
-/* Of bumps that shade each other, lane by lane. */
-static void bumps_draw_block(const bsdf *b, const sample_block *s, const real *u1, const real *u2,
-                             real *const wi[3], real *lost) {
-  for (size_t i = 0; i < s->count; i++) {
-    bsdf one;
-    bsdf_hit h;
-    lane_hit(b, s, i, &one, &h);
-    const drawn d = hit_draw(&one, &h, u1[i], u2[i]);
-    wi[0][i] = d.w.x;
-    wi[1][i] = d.w.y;
-    wi[2][i] = d.w.z;
-    lost[i] = d.lost;
-  }
-}
-
 static unsigned sample_batch(const bsdf *given, size_t count, const sample_lanes *in,
                              const varied_arrays *varied, const sample_result *out) {
   mended_room room;
   varied_room each;
   draw_room draw;
   vec_room bent;
+  mutual_room met;
   ROOM u1[BLOCK], u2[BLOCK], lost[BLOCK], seen[2][BLOCK], bounce[BLOCK];
   bsdf copy;
   unsigned status = SHADE_OK;
@@ -123,10 +109,13 @@ static unsigned sample_batch(const bsdf *given, size_t count, const sample_lanes
       from.wo.x = seen[0];
       from.wo.y = seen[1];
     }
-    if (s.bumps)
-      bumps_draw_block(b, &s, u1, u2, wi, lost);
-    else
+    if (s.bumps) {
+      mutual_block(b, &s, &met);
+      s.met = about.met = &met;
+      bumps_draw_block(b, &s, &draw, u1, u2, wi, lost);
+    } else {
       draw_block(b, &from, &draw, u1, u2, wi, lost);
+    }
     if (facets)
       pass_bounce(size, s.n, bounce, wi[0], wi[1], wi[2], lost);
 

@@ -45,7 +45,8 @@ static void own_shape(const bsdf *b, size_t count, varied_room *m, sample_block 
   s->shape = (lobe_shape){filled(count, own->kx, m->kx), filled(count, own->ky, m->ky),
                           filled(count, own->peak, m->peak), filled(count, own->gx, m->gx),
                           filled(count, own->gy, m->gy)};
-  s->bumps = has_bumps(b);
+  s->bumps = has_bumps(b) ? BUMPS_OF_ALL : BUMPS_OF_NONE;
+  s->met = NULL;
   for (int c = 0; c < 5; c++)
     s->slopes[c] = filled(s->bumps ? count : 0, own->slopes[c], m->slopes[c]);
 }
@@ -287,6 +288,7 @@ static unsigned read_slopes(const bsdf *b, const varied_arrays *in, size_t start
   static const real least[5] = {-1000, -1000, 0, -1000000, 0};
   const size_t count = block->count;
   const real *own = numbers_of(b)->slopes;
+  size_t flat = 0;
   int changed = 0;
   for (int c = 0; c < 5; c++) {
     filled(count, own[c], m->slopes[c]);
@@ -298,8 +300,9 @@ static unsigned read_slopes(const bsdf *b, const varied_arrays *in, size_t start
     real v[5] = {0, 0, m->slopes[2][i], m->slopes[3][i], m->slopes[4][i]};
     changed |= bound_slopes(v);
     m->slopes[3][i] = v[3];
+    flat += v[2] + v[4] > 0 ? 0 : 1;
   }
-  block->bumps = 1;
+  block->bumps = !flat ? BUMPS_OF_ALL : flat < count ? BUMPS_OF_SOME : BUMPS_OF_NONE;
   return changed ? SHADE_CLAMPED_PARAMETER : SHADE_OK;
 }
 

@@ -31,15 +31,17 @@ LEAF int has_bumps(const bsdf *b) {
 /* The map: its mean slope, and the second moment of slopes about it. */
 typedef struct relief {
   real x, y, xx, xy, yy;
+  real more; /* of xx and yy, what is there so that grooves have a width */
 } relief;
 
 /* Grooves get some width, or the other side of one that is seen along them would be anywhere. */
 LEAF relief relief_of(const real slopes[5]) {
-  relief r = {slopes[0], slopes[1], maximum(slopes[2], 0), slopes[3], maximum(slopes[4], 0)};
-  const real most = root(r.xx) * root(r.yy), more = R(1e-4) * (r.xx + r.yy);
+  relief r = {slopes[0], slopes[1], maximum(slopes[2], 0), slopes[3], maximum(slopes[4], 0), 0};
+  const real most = root(r.xx) * root(r.yy);
   r.xy = minimum(maximum(r.xy, -most), most);
-  r.xx += more;
-  r.yy += more;
+  r.more = R(1e-4) * (r.xx + r.yy);
+  r.xx += r.more;
+  r.yy += r.more;
   return r;
 }
 
@@ -87,14 +89,6 @@ typedef struct facet {
   real coso, lo, weight; /* lo: of angles */
 } facet;
 
-LEAF facet facet_of(const bsdf *b, triple n, triple wo, real weight) {
-  facet f = {n, dot_of(n, wo), 0, weight};
-  f.weight = f.coso > 0 ? f.weight : 0;
-  if (f.weight > 0 && b->brdf == SHADE_BRDF_MICROFACET)
-    f.lo = smith(b, n, wo);
-  return f;
-}
-
 /* Half of the way from wi to wo, as lobes take it, and its cosine with either. */
 typedef struct halfway {
   triple h;
@@ -128,6 +122,35 @@ LEAF real facet_density(const bsdf *b, facet f, halfway a, triple wi, triple wo)
 /* ---- a hit -------------------------------------------------------------------------------------
  */
 
+/* What the eye sees: the other side of the bump, and the share of the facet given; 1 + Lambda(wo).
+ */
+typedef struct sides {
+  triple other;
+  real share, above;
+} sides;
+LEAF sides sides_of(relief r, triple n, triple wo) {
+  const real per = 1 / maximum(n.z, R(1e-6)), sx = -n.x * per, sy = -n.y * per;
+  const real height = height_over(r, wo), variance = variance_along(r, wo);
+  const real area = area_shown(height, root(variance));
+  const real shown = multiply_add(-sy, wo.y, multiply_add(-sx, wo.x, wo.z)); /* p */
+  const int seen = !(variance >= R(1e-10)) | !(shown < area);
+  const real share = maximum(shown / area, 0), step = 2 * (area - shown) / (variance + TINY);
+  const real x = multiply_add(step, r.xx * wo.x + r.xy * wo.y, -sx);
+  const real y = multiply_add(step, r.xy * wo.x + r.yy * wo.y, -sy);
+  const real length = 1 / root(x * x + y * y + 1);
+  sides s = {{seen ? n.x : x * length, seen ? n.y : y * length, seen ? n.z : length},
+             seen ? 1 : share,
+             1 + relief_lambda(maximum(height, 0), variance)};
+  return s;
+}
+
+/* Share of the light from wi that other bumps let through; above: 1 + Lambda(wo). */
+LEAF real unblocked(relief r, real above, triple wi) {
+  const real height = height_over(r, wi);
+  const real through = above / (above + relief_lambda(height, variance_along(r, wi)));
+  return height > 0 ? through : 0;
+}
+
 enum { SHADE_MUTUAL_NODES = 8 };
 
 /* Fixed pairs of uniform numbers: even steps, and steps of the golden ratio. */
@@ -136,161 +159,181 @@ LEAF pair mutual_node(int k) {
   return (pair){at / SHADE_MUTUAL_NODES, turn - (real)(int)turn};
 }
 
-typedef struct mutual {
-  relief map;
-  triple up;      /* the mean plane's normal */
-  real above;     /* 1 + Lambda(wo) */
-  facet facet[2]; /* the one given, and the other side of the bump, by their shares */
-  real pick;      /* share of the draws of what is met next */
-  triple from;    /* where that is seen from */
-  real low[3];    /* the lower triangle of its slopes' covariance; */
-  real per_area;  /* 1 over all but the exponential of its density; */
-  real nu;        /* the height of `from` in standard deviations; */
-  pair along;     /* its azimuth, in terms of these */
-  triple again;   /* its colour: F^2 times what is kept back */
-} mutual;
-
-/* Share of the light from wi that other bumps let through. */
-LEAF real unblocked(const mutual *m, triple wi) {
-  const real height = height_over(m->map, wi);
-  const real li = relief_lambda(height, variance_along(m->map, wi));
-  return height > 0 ? m->above / (m->above + li) : 0;
-}
-
-/* Twice the facets' own covariance of slopes. */
-LEAF pair facet_variance(const bsdf *b) {
-  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
-  return (pair){(b->exponents ? 2 : 1) / maximum(own->kx, R(0.02)),
-                (b->exponents ? 2 : 1) / maximum(own->ky, R(0.02))};
+/*
+ * f cos without Fresnel over the density of the lobe's own draw, in both of which D is the same: as
+ * if the lobe were the one that it is drawn by. hz: of a half vector in the lobe's frame, where D's
+ * integral has it, else 1; visible: drawn as the eye sees them.
+ */
+LEAF real weight_of_draw(shade_brdf brdf, int visible, real hz, angles a) {
+  const real per = visible ? 2 * a.coso * (1 + a.lo) : 4 * a.hwo / hz;
+  return a.cosi > 0 ? brdf_value(brdf, 1, a) * a.cosi * per : 0;
 }
 
 /* What is kept back of the light, all that a facet reflects, and the former's mean direction. */
 typedef struct kept_back {
-  real share, all;
-  triple mean;
+  real share, all, x, y, z;
 } kept_back;
 
+/* With a direction more, of which g is reflected. */
+LEAF kept_back kept_more(kept_back sum, relief r, real above, triple w, real g) {
+  const real back = g * (1 - unblocked(r, above, w));
+  return (kept_back){sum.share + back, sum.all + g, multiply_add(back, w.x, sum.x),
+                     multiply_add(back, w.y, sum.y), multiply_add(back, w.z, sum.z)};
+}
+
+/* The lobe of what is met next. */
+typedef struct next_lobe {
+  triple from;           /* where that is seen from */
+  real first, low, last; /* the lower triangle of its slopes' covariance; */
+  real per_area;         /* 1 over all but the exponential of its density; */
+  real nu;               /* the height of `from` in standard deviations; */
+  pair along;            /* its azimuth, in terms of these */
+} next_lobe;
+
+/* Twice a facet's own covariance of slopes, of one axis. */
+LEAF real facet_variance(int exponents, real k) {
+  return (exponents ? 2 : R(1.0)) / maximum(k, R(0.02));
+}
+
+/* From the mean direction of what is kept back; own: of the facets' own slopes. Grooves all but
+ * cancel in the determinant: they are told apart from what they got. */
+LEAF next_lobe next_of(relief r, pair own, triple mean) {
+  const real more = r.more;
+  const real ex = more + own.x, ey = more + own.y, x0 = r.xx - more, y0 = r.yy - more;
+  const real grooves = maximum(difference(x0, y0, r.xy, r.xy), 0);
+  next_lobe m;
+  m.first = root(x0 + ex);
+  m.low = r.xy / m.first;
+  m.last = root(grooves + (x0 * ey + (y0 * ex + ex * ey))) / m.first;
+  const real size = 1 / root(dot_of(mean, mean) + TINY);
+  triple c = {-mean.x * size, -mean.y * size, -mean.z * size};
+  real x = m.first * c.x + m.low * c.y, y = m.last * c.y, spread = root(x * x + y * y);
+  const int under = height_over(r, c) < R(-2.5) * spread; /* so far below nothing shows */
+  c.z = under ? r.x * c.x + r.y * c.y - R(2.5) * spread : c.z;
+  const real again = under ? 1 / root(dot_of(c, c) + TINY) : 1;
+  c = (triple){c.x * again, c.y * again, c.z * again};
+  x *= again;
+  y *= again;
+  spread *= again;
+  const real safe = maximum(spread, R(1e-6));
+  const int flat = !(spread > R(1e-12));
+  m.from = c;
+  m.along = (pair){flat ? 1 : x / (spread + TINY), flat ? 0 : y / (spread + TINY)};
+  m.nu = maximum(height_over(r, c) / safe, R(-2.5));
+  const real area = safe * normal_visible(m.nu);
+  m.per_area = R(0.039788735772973833942) / (m.first * m.last * area); /* 1/(8 pi) */
+  return m;
+}
+
+/* The share of the draws that go there, and its colour by F's mean: no more than facets reflect
+ * again. */
+LEAF real next_pick(real share) {
+  return share > R(1e-9) ? minimum(share, R(0.9)) : 0;
+}
+LEAF real next_colour(kept_back kept, real mean) {
+  return kept.share > R(1e-9) ? mean * mean * kept.share * minimum(kept.all, 1) : 0;
+}
+
+typedef struct mutual {
+  relief map;
+  real above;     /* 1 + Lambda(wo) */
+  facet facet[2]; /* the one given, and the other side of the bump, by their shares */
+  real pick;      /* share of the draws of what is met next */
+  triple again;   /* its colour */
+  next_lobe next;
+} mutual;
+
+/* The draws of a lobe are those of the first that it is drawn by. */
 static __attribute__((noinline)) kept_back kept_back_of(const bsdf *b, const mutual *m, triple wo) {
-  kept_back sum = {0, 0, {0, 0, 0}};
-  for (int k = 0; k < 2 * SHADE_MUTUAL_NODES; k++) {
-    const facet f = m->facet[k / SHADE_MUTUAL_NODES];
-    const pair u = mutual_node(k % SHADE_MUTUAL_NODES);
+  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
+  const int hz = b->projected && !b->visible;
+  kept_back sum = {0, 0, 0, 0, 0};
+  for (int side = 0; side < 2; side++) {
+    const facet f = m->facet[side];
     if (!(f.weight > 0))
       continue;
-    const drawn d = draw_proposed(b, f.n, wo, f.coso, u.x, u.y);
-    const real scale = 1 / root(dot_of(d.w, d.w) + TINY);
-    const triple w = {d.w.x * scale, d.w.y * scale, d.w.z * scale};
-    const halfway a = halfway_of(b, w, wo);
-    const real density = d.lost > 0 ? 0 : facet_density(b, f, a, w, wo);
-    if (!(density > 0))
-      continue;
-    const real g = f.weight * facet_value(b, f, a, w) / density / SHADE_MUTUAL_NODES;
-    const real back = g * (1 - unblocked(m, w));
-    sum.share += back;
-    sum.all += g;
-    sum.mean = (triple){sum.mean.x + back * w.x, sum.mean.y + back * w.y, sum.mean.z + back * w.z};
+    const proposed p = propose(proposal_of(b), 0, own->kx, own->ky, f.n);
+    triple eye = {0, 0, 1};
+    if (b->visible) {
+      const pair o = into_frame(b->carry.frame, f.n, wo);
+      eye = (triple){o.x, o.y, f.coso};
+    }
+    for (int k = 0; k < SHADE_MUTUAL_NODES; k++) {
+      const pair u = mutual_node(k);
+      const triple h = draw_half(b->mdf, b->visible, u.x, u.y, p.kx, p.ky, eye);
+      const triple up = out_of_frame(b->carry.frame, f.n, h);
+      const drawn d = reflected(wo, up);
+      const real size = 1 / root(dot_of(up, up) + TINY);
+      angles a = {maximum(dot_of(up, wo), 0) * size, dot_of(f.n, d.w), f.coso, 0, f.lo};
+      if (b->brdf == SHADE_BRDF_MICROFACET)
+        a.li = smith(b, f.n, d.w);
+      const real upright = hz ? h.z / root(dot_of(h, h) + TINY) : 1;
+      const real g = d.lost > 0 ? 0 : weight_of_draw(b->brdf, b->visible, upright, a);
+      sum = kept_more(sum, m->map, m->above, d.w, g * (f.weight / SHADE_MUTUAL_NODES));
+    }
   }
   return sum;
 }
 
-/* The lobe of what is met next, from the mean direction of what is kept back. */
-static void meet_next(const bsdf *b, mutual *m, kept_back kept) {
-  const pair own = facet_variance(b);
-  const relief r = m->map;
-  const double xx = (double)(r.xx + own.x), xy = (double)r.xy, yy = (double)(r.yy + own.y);
-  const double first = sqrt(xx), second = xy / first; /* grooves cancel: in double */
-  m->low[0] = (real)first;
-  m->low[1] = (real)second;
-  m->low[2] = (real)sqrt(yy - second * second);
-  const real size = 1 / root(dot_of(kept.mean, kept.mean) + TINY);
-  triple c = {-kept.mean.x * size, -kept.mean.y * size, -kept.mean.z * size};
-  real x = m->low[0] * c.x + m->low[1] * c.y, y = m->low[2] * c.y, spread = root(x * x + y * y);
-  if (height_over(r, c) < R(-2.5) * spread) { /* so far below nothing shows */
-    c.z = r.x * c.x + r.y * c.y - R(2.5) * spread;
-    const real again = 1 / root(dot_of(c, c) + TINY);
-    c = (triple){c.x * again, c.y * again, c.z * again};
-    x *= again;
-    y *= again;
-    spread *= again;
-  }
-  const real safe = maximum(spread, R(1e-6));
-  m->from = c;
-  m->along = spread > R(1e-12) ? (pair){x / spread, y / spread} : (pair){1, 0};
-  m->nu = maximum(height_over(r, c) / safe, R(-2.5));
-  const real area = safe * normal_visible(m->nu);
-  m->per_area = R(0.039788735772973833942) / (m->low[0] * m->low[2] * area); /* 1/(8 pi) */
+LEAF facet facet_of(const bsdf *b, triple n, triple wo, real weight) {
+  facet f = {n, dot_of(n, wo), 0, weight};
+  f.weight = f.coso > 0 ? f.weight : 0;
+  if (f.weight > 0 && b->brdf == SHADE_BRDF_MICROFACET)
+    f.lo = smith(b, n, wo);
+  return f;
 }
 
 /* n and wo are mended, wo.z > 0, and the map has slopes. */
 static __attribute__((noinline)) void prepare_mutual(const bsdf *b, triple n, triple wo,
                                                      mutual *m) {
-  const relief r = relief_of(numbers_of(b)->slopes);
-  const real per = 1 / maximum(n.z, R(1e-6)), size = 1 / root(1 + r.x * r.x + r.y * r.y);
-  const real sx = -n.x * per, sy = -n.y * per;
-  const real height = height_over(r, wo), variance = variance_along(r, wo);
-  const real area = area_shown(height, root(variance));
-  const real shown = multiply_add(-sy, wo.y, multiply_add(-sx, wo.x, wo.z)); /* p */
-  const int seen = !(variance >= R(1e-10)) || !(shown < area);
-  const real share = seen ? 1 : maximum(shown / area, 0);
-  m->map = r;
-  m->up = (triple){-r.x * size, -r.y * size, size};
-  m->above = 1 + relief_lambda(maximum(height, 0), variance);
-  m->facet[0] = facet_of(b, n, wo, share);
-  m->facet[1] = (facet){n, 0, 0, 0};
-  if (!seen) {
-    const real step = 2 * (area - shown) / variance;
-    const triple other = {multiply_add(step, r.xx * wo.x + r.xy * wo.y, -sx),
-                          multiply_add(step, r.xy * wo.x + r.yy * wo.y, -sy), 1};
-    const real length = 1 / root(dot_of(other, other));
-    m->facet[1] = facet_of(b, (triple){other.x * length, other.y * length, length}, wo, 1 - share);
-  }
-  m->pick = 0;
-  m->again = (triple){0, 0, 0};
-  const kept_back kept = kept_back_of(b, m, wo);
-  if (!(kept.share > R(1e-9)))
-    return;
-  meet_next(b, m, kept);
-  m->pick = minimum(kept.share, R(0.9));
   const SUFFIX(bsdf_numbers) *own = numbers_of(b);
+  m->map = relief_of(own->slopes);
+  const sides s = sides_of(m->map, n, wo);
+  m->above = s.above;
+  m->facet[0] = facet_of(b, n, wo, s.share);
+  m->facet[1] = facet_of(b, s.other, wo, 1 - s.share);
+  const kept_back kept = kept_back_of(b, m, wo);
+  m->pick = next_pick(kept.share);
+  m->next = next_of(
+      m->map, (pair){facet_variance(b->exponents, own->kx), facet_variance(b->exponents, own->ky)},
+      (triple){kept.x, kept.y, kept.z});
   real colour[3];
-  for (int c = 0; c < 3; c++) {
-    const real f = fresnel_mean(b->fresnel, own->f0[c], own->tint[c], own->k[c]);
-    colour[c] = f * f * kept.share * minimum(kept.all, 1); /* no more than facets reflect again */
-  }
+  for (int c = 0; c < 3; c++)
+    colour[c] = next_colour(kept, fresnel_mean(b->fresnel, own->f0[c], own->tint[c], own->k[c]));
   m->again = (triple){colour[0], colour[1], colour[2]};
 }
 
 /* w mirrored at the mean plane. */
-LEAF triple folded(const mutual *m, triple w) {
-  const real twice = 2 * dot_of(m->up, w);
-  return (triple){w.x - twice * m->up.x, w.y - twice * m->up.y, w.z - twice * m->up.z};
+LEAF triple folded(relief r, triple w) {
+  const real twice = 2 * height_over(r, w) / (1 + r.x * r.x + r.y * r.y);
+  return (triple){w.x + twice * r.x, w.y + twice * r.y, w.z - twice};
 }
 
 /* Density of w by what is met next, over the whole sphere. */
-LEAF real next_density_of(const mutual *m, triple w) {
-  const triple h = {m->from.x + w.x, m->from.y + w.y, m->from.z + w.z};
+LEAF real next_density_of(relief r, next_lobe m, triple w) {
+  const triple h = {m.from.x + w.x, m.from.y + w.y, m.from.z + w.z};
   const real hh = dot_of(h, h);
-  if (!(h.z > 0 && h.z * h.z > R(1e-10) * hh))
-    return 0;
-  const real per = 1 / h.z, q = hh * (per * per);
-  const real x = (-h.x * per - m->map.x) / m->low[0];
-  const real y = (-h.y * per - m->map.y - m->low[1] * x) / m->low[2];
-  return exp_negative(R(0.5) * (x * x + y * y)) * (q * q) * m->per_area;
+  const int shown = (h.z > 0) & (h.z * h.z > R(1e-10) * hh);
+  const real per = shown ? 1 / h.z : 1, q = hh * (per * per);
+  const real x = (-h.x * per - r.x) / m.first;
+  const real y = (-h.y * per - r.y - m.low * x) / m.last;
+  const real density = exp_negative(R(0.5) * (x * x + y * y)) * (q * q) * m.per_area;
+  return shown ? density : 0;
 }
-LEAF real next_density(const mutual *m, triple wi) {
-  return next_density_of(m, wi) + next_density_of(m, folded(m, wi));
+LEAF real next_density(relief r, next_lobe m, triple wi) {
+  return next_density_of(r, m, wi) + next_density_of(r, m, folded(r, wi));
 }
 
 /* f cos of the specular part, and its density: wi and wo above the surface, no opposites. */
 static __attribute__((noinline)) triple mutual_value(const bsdf *b, const mutual *m, triple wi,
                                                      triple wo) {
-  const real through = unblocked(m, wi);
+  const real through = unblocked(m->map, m->above, wi);
   if (!(through > 0))
     return (triple){0, 0, 0};
   const halfway a = halfway_of(b, wi, wo);
   const real once = through * (m->facet[0].weight * facet_value(b, m->facet[0], a, wi) +
                                m->facet[1].weight * facet_value(b, m->facet[1], a, wi));
-  const real twice = m->pick > 0 ? next_density(m, wi) : 0;
+  const real twice = m->pick > 0 ? next_density(m->map, m->next, wi) : 0;
   const triple f = fresnel(b, a.hwo), g = m->again;
   return (triple){f.x * once + g.x * twice, f.y * once + g.y * twice, f.z * once + g.z * twice};
 }
@@ -302,7 +345,7 @@ static __attribute__((noinline)) real mutual_density(const bsdf *b, const mutual
   const halfway a = halfway_of(b, wi, wo);
   const real once = m->facet[0].weight * facet_density(b, m->facet[0], a, wi, wo) +
                     m->facet[1].weight * facet_density(b, m->facet[1], a, wi, wo);
-  return (1 - m->pick) * once + (m->pick > 0 ? m->pick * next_density(m, wi) : 0);
+  return (1 - m->pick) * once + (m->pick > 0 ? m->pick * next_density(m->map, m->next, wi) : 0);
 }
 
 /* x below nu, with probability u below it under the density (nu - x) exp(-x^2/2): Newton's, kept
@@ -324,14 +367,14 @@ static real shown_slope(real nu, real u) {
 }
 
 /* A direction by what is met next. */
-LEAF drawn draw_next(const mutual *m, real u1, real u2) {
-  const real along = shown_slope(m->nu, u1), across = R(1.4142135623730950488) * slope_of(u2, 1, 0);
-  const real x = along * m->along.x - across * m->along.y;
-  const real y = along * m->along.y + across * m->along.x;
-  const triple h = {-(m->map.x + m->low[0] * x), -(m->map.y + m->low[1] * x + m->low[2] * y), 1};
-  drawn d = reflected(m->from, h);
-  if (height_over(m->map, d.w) < 0)
-    d.w = folded(m, d.w);
+LEAF drawn draw_next(relief r, next_lobe m, real u1, real u2) {
+  const real along = shown_slope(m.nu, u1), across = R(1.4142135623730950488) * slope_of(u2, 1, 0);
+  const real x = along * m.along.x - across * m.along.y;
+  const real y = along * m.along.y + across * m.along.x;
+  const triple h = {-(r.x + m.first * x), -(r.y + m.low * x + m.last * y), 1};
+  drawn d = reflected(m.from, h);
+  if (height_over(r, d.w) < 0)
+    d.w = folded(r, d.w);
   return settled(d);
 }
 
@@ -341,7 +384,7 @@ static __attribute__((noinline)) drawn mutual_draw(const bsdf *b, const mutual *
   const int next = u1 < m->pick;
   u1 = remapped(u1, m->pick, next);
   if (next)
-    return draw_next(m, u1, u2);
+    return draw_next(m->map, m->next, u1, u2);
   const real share = m->facet[0].weight / maximum(m->facet[0].weight + m->facet[1].weight, TINY);
   const int first = u1 < share;
   const facet f = m->facet[first ? 0 : 1];

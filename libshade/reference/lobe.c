@@ -48,8 +48,8 @@ real ref_distribution(const shade_params *p, vec n, vec h) {
   return cosine > 0 ? d * ref_stretch(p->detail, n, h) * h.z / cosine : 0;
 }
 
-/* Smith's Lambda of w, whose theta and phi are those of the carried frame. */
-static real lambda(const shade_params *p, vec n, vec w) {
+/* Of w, whose theta and phi are those of the carried frame. */
+real ref_lambda(const shade_params *p, vec n, vec w) {
   shade_detail detail = ref_method_of(p);
   vec m = ref_carried_by(ref_is_warp(detail) ? SHADE_DETAIL_PERTURB : detail, p, n, w);
   real ax = within(p->ax, 1e-4L, 10), ay = within(p->ay, 1e-4L, 10);
@@ -102,7 +102,7 @@ real ref_brdf(const shade_params *p, vec n, vec wi, vec wo, real cosi, real coso
   case SHADE_BRDF_WARD_BOUNDED:
     return d * dot(sum, sum) / at_least(square(square(cosi + coso)));
   case SHADE_BRDF_MICROFACET: {
-    real shadowing = 1 / (1 + lambda(p, n, wi) + lambda(p, n, wo));
+    real shadowing = 1 / (1 + ref_lambda(p, n, wi) + ref_lambda(p, n, wo));
     return d * shadowing / at_least(4 * cosi * coso);
   }
   case SHADE_BRDF_ASHIKHMIN_SHIRLEY:

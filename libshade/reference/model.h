@@ -34,6 +34,8 @@ vec ref_as_given(const shade_params *p, const double v[3], vec made_unit);
 real ref_distribution(const shade_params *p, vec n, vec h);
 /* What `auto` stands for, or p's own. */
 shade_brdf ref_brdf_of(const shade_params *p);
+/* Smith's Lambda. */
+real ref_lambda(const shade_params *p, vec n, vec w);
 /* f of the lobe but for Fresnel; cosi and coso are those about n, d is D'(h). */
 real ref_brdf(const shade_params *p, vec n, vec wi, vec wo, real cosi, real coso, real d);
 /* Channel c of Fresnel's reflectance. */

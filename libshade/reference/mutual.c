@@ -79,24 +79,15 @@ static vec through_warp(shade_detail detail, vec n, vec m) {
   return h;
 }
 
-/* A direction of the lobe about n, of any height. Returns whether there is one. */
-static int draw(const shade_params *p, vec n, vec wo, real u1, real u2, vec *wi) {
+/* A direction of the lobe about n, of any height, and the cosine of its half vector in the lobe's
+ * frame. Of more than one lobe that it is drawn by, the first. Returns whether there is one. */
+static int draw(const shade_params *p, vec n, vec wo, real u1, real u2, vec *wi, real *upright) {
   const shade_detail detail = ref_method_of(p), frame = ref_drawn_in(p);
   const int visible = ref_draws_visible(p);
   proposal q[3];
-  const int count = ref_proposals(p, n, q);
-  int k = 0;
-  if (count == 3) { /* u1 says which, and goes on with what is left of it */
-    const real second = q[1].weight / (1 - q[0].weight);
-    if (u1 < q[0].weight) {
-      u1 /= q[0].weight;
-    } else {
-      u1 = (u1 - q[0].weight) / (1 - q[0].weight);
-      k = u1 < second ? 1 : 2;
-      u1 = k == 1 ? u1 / second : (u1 - second) / (1 - second);
-    }
-  }
-  const vec m = half_of(p, q[k], u1, u2, visible ? ref_carried_by(frame, p, n, wo) : wo, visible);
+  ref_proposals(p, n, q);
+  const vec eye = visible ? ref_carried_by(frame, p, n, wo) : wo;
+  const vec m = unit(half_of(p, q[0], u1, u2, eye, visible));
   vec h;
   if (ref_is_warp(detail)) {
     h = through_warp(detail, n, m);
@@ -104,10 +95,26 @@ static int draw(const shade_params *p, vec n, vec wo, real u1, real u2, vec *wi)
     const vec x = ref_carried_by(frame, p, n, (vec){1, 0, 0});
     const vec y = ref_carried_by(frame, p, n, (vec){0, 1, 0});
     const vec z = ref_carried_by(frame, p, n, (vec){0, 0, 1});
-    h = unit((vec){dot(x, m), dot(y, m), dot(z, m)});
+    h = (vec){dot(x, m), dot(y, m), dot(z, m)};
   }
-  *wi = mirrored(wo, h);
+  *wi = mirrored(wo, unit(h));
+  *upright = m.z;
   return dot(h, wo) > 0;
+}
+
+/*
+ * f cos over the density of the draw, for a D of 1: visible normals by D (o.h) G1 / o.z, other ones
+ * by D, or D times its cosine for those that integrate with it.
+ */
+static real weight_of_draw(const shade_params *p, vec n, vec wi, vec wo, real upright) {
+  const real cosi = dot(n, wi), coso = dot(n, wo);
+  if (cosi <= 0 || coso <= 0)
+    return 0;
+  const real f = ref_brdf(p, n, wi, wo, cosi, coso, 1);
+  if (ref_draws_visible(p))
+    return f * cosi * 4 * coso * (1 + ref_lambda(p, n, wo));
+  const int projected = p->mdf == SHADE_MDF_GGX || p->mdf == SHADE_MDF_BECKMANN;
+  return f * cosi * 4 * dot(unit(plus(wi, wo)), wo) / (projected ? upright : 1);
 }
 
 /* ---- a hit ------------------------------------------------------------------------------------
@@ -210,13 +217,11 @@ static kept_back kept_back_of(const bumps *b, int nodes) {
     const side *s = &b->side[k / nodes];
     const real at = (real)(k % nodes) + 0.5L, turn = at * (sqrtl(5) - 1) / 2;
     vec wi;
+    real upright;
     if (s->share <= 0 || dot(s->n, b->wo) <= 0 ||
-        !draw(b->p, s->lobe_n, b->wo, at / (real)nodes, turn - floorl(turn), &wi))
+        !draw(b->p, s->lobe_n, b->wo, at / (real)nodes, turn - floorl(turn), &wi, &upright))
       continue;
-    const real density = side_density(b, s, wi);
-    if (density <= 0)
-      continue;
-    const real g = s->share * side_value(b, s, wi) / density / (real)nodes;
+    const real g = s->share * weight_of_draw(b->p, s->n, wi, b->wo, upright) / (real)nodes;
     sum.all += g;
     sum.share += g * (1 - unblocked(b, wi));
     sum.mean = plus(sum.mean, scale(wi, g * (1 - unblocked(b, wi))));

@@ -1,0 +1,516 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * mutual.h over a block: what follows from the map, the normal and the eye once, then f, density
+ * and draws of that.
+ */
+#ifndef SHADE_BATCH_MUTUAL_BLOCK_H
+#define SHADE_BATCH_MUTUAL_BLOCK_H
+
+#include "../model/mutual.h"
+#include "draw_block.h"
+
+/* A facet that the eye sees: the normal, the cosine of the eye about it, 1 + 2 Lambda of that, and
+ * its share; lit: whether any lane has one. */
+typedef struct side_room {
+  vec_room n;
+  ROOM coso[BLOCK], lo[BLOCK], weight[BLOCK];
+  int lit;
+} side_room;
+
+/* mutual and kept_back, an array of each number. */
+typedef struct mutual_room {
+  ROOM x[BLOCK], y[BLOCK], xx[BLOCK], xy[BLOCK], yy[BLOCK], more[BLOCK], above[BLOCK];
+  side_room side[2];
+  ROOM share[BLOCK], all[BLOCK], pick[BLOCK], again[3][BLOCK];
+  vec_room mean, from;
+  ROOM first[BLOCK], low[BLOCK], last[BLOCK], per_area[BLOCK], nu[BLOCK];
+  ROOM along_x[BLOCK], along_y[BLOCK];
+} mutual_room;
+
+LEAF relief relief_at(const mutual_room *m, size_t i) {
+  return (relief){m->x[i], m->y[i], m->xx[i], m->xy[i], m->yy[i], m->more[i]};
+}
+LEAF next_lobe next_at(const mutual_room *m, size_t i) {
+  return (next_lobe){{m->from.x[i], m->from.y[i], m->from.z[i]},
+                     m->first[i],
+                     m->low[i],
+                     m->last[i],
+                     m->per_area[i],
+                     m->nu[i],
+                     {m->along_x[i], m->along_y[i]}};
+}
+
+static void pass_relief(const sample_block *s, mutual_room *restrict m) {
+  const real *restrict x = s->slopes[0], *restrict y = s->slopes[1], *restrict xx = s->slopes[2];
+  const real *restrict xy = s->slopes[3], *restrict yy = s->slopes[4];
+  const size_t size = s->count;
+#pragma omp simd
+  for (size_t i = 0; i < size; i++) {
+    const real slopes[5] = {x[i], y[i], xx[i], xy[i], yy[i]};
+    const relief r = relief_of(slopes);
+    m->x[i] = r.x;
+    m->y[i] = r.y;
+    m->xx[i] = r.xx;
+    m->xy[i] = r.xy;
+    m->yy[i] = r.yy;
+    m->more[i] = r.more;
+  }
+}
+
+static void pass_sides(const sample_block *s, mutual_room *restrict m) {
+  const size_t size = s->count;
+  const vec n = s->n, wo = s->wo;
+  side_room *restrict own = &m->side[0], *restrict other = &m->side[1];
+  int lit = 0, both = 0;
+  ARRAYS(n);
+  ARRAYS(wo);
+#pragma omp simd reduction(| : lit, both)
+  for (size_t i = 0; i < size; i++) {
+    const sides seen = sides_of(relief_at(m, i), AT(n), AT(wo));
+    const real coso = dot_of(AT(n), AT(wo)), beyond = dot_of(seen.other, AT(wo));
+    const real weight = coso > 0 ? seen.share : 0, rest = beyond > 0 ? 1 - seen.share : 0;
+    own->n.x[i] = nx[i];
+    own->n.y[i] = ny[i];
+    own->n.z[i] = nz[i];
+    own->coso[i] = coso;
+    own->weight[i] = weight;
+    other->n.x[i] = seen.other.x;
+    other->n.y[i] = seen.other.y;
+    other->n.z[i] = seen.other.z;
+    other->coso[i] = beyond;
+    other->weight[i] = rest;
+    m->above[i] = seen.above;
+    lit |= weight > 0;
+    both |= rest > 0;
+  }
+  own->lit = lit;
+  other->lit = both;
+}
+
+/* ---- what is kept back ------------------------------------------------------------------------
+ */
+
+/* Half vectors of one pair of uniform numbers, and their cosines in the lobe's frame, for a D that
+ * integrates with it. */
+LEAF void pass_node_half(shade_mdf mdf, int visible, int projected, size_t count, pair u,
+                         const draw_room *m, const real *restrict ex, const real *restrict ey,
+                         const real *restrict ez, real *restrict hx, real *restrict hy,
+                         real *restrict hz, real *restrict upright) {
+  const real *restrict kx = m->kx, *restrict ky = m->ky;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    triple eye = {0, 0, 1};
+    if (visible)
+      eye = (triple){ex[i], ey[i], ez[i]};
+    const triple h = draw_half(mdf, visible, u.x, u.y, kx[i], ky[i], eye);
+    hx[i] = h.x;
+    hy[i] = h.y;
+    hz[i] = h.z;
+    upright[i] = projected ? h.z / root(dot_of(h, h) + TINY) : 1;
+  }
+}
+
+/* Those to directions, in place, and the cosine between; 0 where there is none. */
+LEAF void pass_node_mirror(shade_map frame, size_t count, vec n, vec wo, real *restrict hx,
+                           real *restrict hy, real *restrict hz, real *restrict hwo) {
+  ARRAYS(n);
+  ARRAYS(wo);
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const triple h = out_of_frame(frame, AT(n), (triple){hx[i], hy[i], hz[i]});
+    const drawn d = reflected(AT(wo), h);
+    hwo[i] = maximum(dot_of(h, AT(wo)), 0) / root(dot_of(h, h) + TINY);
+    hx[i] = d.w.x;
+    hy[i] = d.w.y;
+    hz[i] = d.w.z;
+  }
+}
+
+/* Adds one direction of a side. */
+LEAF void pass_node_kept(shade_brdf brdf, int visible, size_t count, const side_room *side, vec w,
+                         const real *restrict hwo, const real *li, const real *restrict upright,
+                         mutual_room *restrict m) {
+  const real *restrict coso = side->coso, *restrict lo = side->lo, *restrict weight = side->weight;
+  const int smith = brdf == SHADE_BRDF_MICROFACET;
+  const vec n = vec_in(&side->n);
+  ARRAYS(n);
+  ARRAYS(w);
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const angles a = {hwo[i], dot_of(AT(n), AT(w)), coso[i], smith ? li[i] : 0, smith ? lo[i] : 0};
+    const real one = weight_of_draw(brdf, visible, upright[i], a);
+    const real g = (weight[i] > 0) & (a.hwo > 0) ? one * (weight[i] / SHADE_MUTUAL_NODES) : 0;
+    const kept_back sum = {m->share[i], m->all[i], m->mean.x[i], m->mean.y[i], m->mean.z[i]};
+    const kept_back kept = kept_more(sum, relief_at(m, i), m->above[i], AT(w), g);
+    m->share[i] = kept.share;
+    m->all[i] = kept.all;
+    m->mean.x[i] = kept.x;
+    m->mean.y[i] = kept.y;
+    m->mean.z[i] = kept.z;
+  }
+}
+
+static void pass_kept_back(const bsdf *b, const sample_block *s, const side_room *side,
+                           draw_room *room, mutual_room *m) {
+  const size_t size = s->count;
+  const int visible = b->visible;
+  const vec w = {room->h[0], room->h[1], room->h[2]};
+  sample_block about = *s;
+  about.n = vec_in(&side->n);
+  pass_propose(0, 0, b, &about, room);
+  if (visible)
+    pass_into_frame(b->carry.frame, size, about.n, s->wo, room->ot, room->oxx);
+  for (int k = 0; k < SHADE_MUTUAL_NODES; k++) {
+    const pair u = mutual_node(k);
+#define LOOP(mdf)                                                                                  \
+  if (visible && shade_mdf_is(mdf).visible)                                                        \
+    pass_node_half(mdf, 1, 0, size, u, room, room->ot, room->oxx, side->coso, room->h[0],          \
+                   room->h[1], room->h[2], room->oyy);                                             \
+  else                                                                                             \
+    pass_node_half(mdf, 0, shade_mdf_is(mdf).projected, size, u, room, room->ot, room->oxx,        \
+                   side->coso, room->h[0], room->h[1], room->h[2], room->oyy)
+    SHADE_LOOP_OF(MDF, b->mdf)
+#undef LOOP
+#define LOOP(frame)                                                                                \
+  pass_node_mirror(frame, size, about.n, s->wo, room->h[0], room->h[1], room->h[2], room->hwo)
+    SHADE_LOOP_OF_FRAME(b->carry.frame)
+#undef LOOP
+    if (b->brdf == SHADE_BRDF_MICROFACET) {
+      pass_detail(b->carry.shadow, size, about.n, w, room->t, room->xx, room->yy);
+      pass_smith(b, &s->shape, size, room->xx, room->yy, room->t);
+    }
+#define LOOP(brdf) pass_node_kept(brdf, visible, size, side, w, room->hwo, room->t, room->oyy, m)
+    SHADE_LOOP_OF_BRDF(b->brdf)
+#undef LOOP
+  }
+}
+
+/* ---- what is met next -------------------------------------------------------------------------
+ */
+
+static void pass_next(const bsdf *b, const sample_block *s, mutual_room *restrict m) {
+  const size_t size = s->count;
+  const int exponents = b->exponents;
+  const real *restrict kx = s->shape.kx, *restrict ky = s->shape.ky;
+#pragma omp simd
+  for (size_t i = 0; i < size; i++) {
+    const pair own = {facet_variance(exponents, kx[i]), facet_variance(exponents, ky[i])};
+    const triple mean = {m->mean.x[i], m->mean.y[i], m->mean.z[i]};
+    const next_lobe next = next_of(relief_at(m, i), own, mean);
+    m->pick[i] = next_pick(m->share[i]);
+    m->from.x[i] = next.from.x;
+    m->from.y[i] = next.from.y;
+    m->from.z[i] = next.from.z;
+    m->first[i] = next.first;
+    m->low[i] = next.low;
+    m->last[i] = next.last;
+    m->per_area[i] = next.per_area;
+    m->nu[i] = next.nu;
+    m->along_x[i] = next.along.x;
+    m->along_y[i] = next.along.y;
+  }
+}
+
+LEAF void pass_again(shade_fresnel fresnel, size_t count, const real *restrict f0,
+                     const real *restrict tint, const real *restrict k, const mutual_room *m,
+                     real *restrict again) {
+  const shade_fresnel_traits reads = shade_fresnel_is(fresnel);
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const kept_back kept = {m->share[i], m->all[i], 0, 0, 0};
+    again[i] = next_colour(kept, fresnel_mean(fresnel, reads.f0 ? f0[i] : 0,
+                                              reads.tint ? tint[i] : 0, reads.k ? k[i] : 0));
+  }
+}
+
+/* All that follows without the light. */
+static __attribute__((noinline)) void mutual_block(const bsdf *b, const sample_block *s,
+                                                   mutual_room *m) {
+  const size_t size = s->count;
+  draw_room room;
+  pass_relief(s, m);
+  pass_sides(s, m);
+  for (size_t i = 0; i < size; i++)
+    m->share[i] = m->all[i] = m->mean.x[i] = m->mean.y[i] = m->mean.z[i] = 0;
+  for (int k = 0; k < 2; k++) {
+    side_room *side = &m->side[k];
+    if (!side->lit)
+      continue;
+    if (b->brdf == SHADE_BRDF_MICROFACET) {
+      pass_detail(b->carry.shadow, size, vec_in(&side->n), s->wo, room.t, room.xx, room.yy);
+      pass_smith(b, &s->shape, size, room.xx, room.yy, side->lo);
+    }
+    pass_kept_back(b, s, side, &room, m);
+  }
+  pass_next(b, s, m);
+  for (int c = 0; c < 3; c++) {
+#define LOOP(fresnel) pass_again(fresnel, size, s->f0[c], s->tint[c], s->k[c], m, m->again[c])
+    SHADE_LOOP_OF(FRESNEL, b->fresnel)
+#undef LOOP
+  }
+}
+
+/* That of the block, or made in `room`. */
+static const mutual_room *mutual_of(const bsdf *b, const sample_block *s, mutual_room *room) {
+  if (s->met)
+    return s->met;
+  mutual_block(b, s, room);
+  return room;
+}
+
+/* ---- lanes without slopes, which are `hard` ---------------------------------------------------
+ */
+
+/* Copies `count` arrays there. */
+static void copy_flat(const sample_block *s, int count, const real *const from[],
+                      real *const to[]) {
+  for (size_t i = 0; i < s->count; i++)
+    for (int k = 0; k < count && !(s->slopes[2][i] + s->slopes[4][i] > 0); k++)
+      to[k][i] = from[k][i];
+}
+
+/* ---- f ----------------------------------------------------------------------------------------
+ */
+
+/* Adds `add`, of one side, by its share. */
+static void pass_add_side(size_t count, const real *restrict weight, const real *restrict add,
+                          real *restrict sum) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    sum[i] += weight[i] > 0 ? weight[i] * add[i] : 0;
+}
+
+/* What is let through of f cos of both sides, and what is met next; over wi.z. */
+static void pass_meet(size_t count, vec wi, vec wo, const mutual_room *m, real *restrict once,
+                      real *restrict twice) {
+  ARRAYS(wi);
+  ARRAYS(wo);
+  (void)wox, (void)woy;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const relief r = relief_at(m, i);
+    const real through = unblocked(r, m->above[i], AT(wi)),
+               next = next_density(r, next_at(m, i), AT(wi));
+    const int lit = (through > 0) & (wiz[i] > 0) & (woz[i] > 0);
+    const real per = 1 / maximum(wiz[i], R(1e-20));
+    once[i] = lit ? through * once[i] * per : 0;
+    twice[i] = lit & (m->pick[i] > 0) ? next * per : 0;
+  }
+}
+
+/* q = Phi/(pi cos) about the bent normal to what it gives over wi.z. */
+static void pass_fade(size_t count, const real *restrict cosi, const real *restrict shadow,
+                      const real *restrict wiz, real *restrict q) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    q[i] *= cosi[i] * shadow[i] / maximum(wiz[i], R(1e-20));
+}
+
+static __attribute__((noinline)) unsigned bumps_block(const bsdf *b, const sample_block *s,
+                                                      const results *out) {
+  specular_room room;
+  mutual_room own;
+  ROOM once[BLOCK], twice[BLOCK], d[BLOCK], cosi[BLOCK], coso[BLOCK], hwo[BLOCK];
+  const size_t size = s->count;
+  const mutual_room *m = mutual_of(b, s, &own);
+  sample_block at = *s;
+  int opposites = 0;
+  for (size_t i = 0; i < size; i++)
+    once[i] = 0;
+  for (int k = 0; k < 2; k++) {
+    if (k && !m->side[k].lit)
+      continue;
+    at.n = vec_in(&m->side[k].n);
+    opposites |= specular_block(b, &at, &room, hwo, cosi, coso, d);
+    pass_multiply(size, cosi, d);
+    pass_add_side(size, m->side[k].weight, d, once);
+  }
+  pass_meet(size, s->wi, s->wo, m, once, twice);
+  for (size_t i = 0; !b->has_specular && i < size; i++)
+    once[i] = twice[i] = 0;
+  for (int c = 0; c < 3; c++) {
+    pass_channel(b, size, s->f0[c], s->tint[c], s->k[c], once, hwo, out->rgb[c]);
+    pass_add_product(size, m->again[c], twice, out->rgb[c]);
+  }
+  if (b->has_diffuse) {
+    const real less = shade_diffuse_is(b->diffuse).less_f0 ? R(1.0) : R(0.0);
+    vec_room bent;
+    pass_bend(size, s->n, s->wo, &bent);
+    pass_cosines(b, size, vec_in(&bent), s->wi, s->wo, cosi, coso);
+    diffuse_block(b, size, vec_in(&bent), s->wi, s->wo, cosi, coso, room.xx, room.yy, d);
+    pass_shadow_estevez(size, s->n, s->wi, hwo);
+    pass_fade(size, cosi, hwo, s->wi.z, d);
+    for (int c = 0; c < 3; c++)
+      add_diffuse(size, less, s->kd[c], s->f0[c], d, out->rgb[c]);
+  }
+  const real *wiz = s->wi.z;
+  for (size_t i = 0; i < size; i++)
+    out->cosine[i] = maximum(wiz[i], 0);
+  for (size_t i = 0; opposites && i < size; i++)
+    if (opposite(s->wi.x[i], s->wi.y[i], s->wi.z[i], s->wo.x[i], s->wo.y[i], s->wo.z[i]))
+      out->rgb[0][i] = out->rgb[1][i] = out->rgb[2][i] = 0;
+  if (s->bumps == BUMPS_OF_SOME) {
+    const results flat = {{once, twice, d}, cosi};
+    hard_block(b, s, &flat);
+    copy_flat(s, 4, (const real *[]){once, twice, d, cosi},
+              (real *[]){out->rgb[0], out->rgb[1], out->rgb[2], out->cosine});
+  }
+  return opposites ? SHADE_BAD_INPUT : SHADE_OK;
+}
+
+/* ---- density ----------------------------------------------------------------------------------
+ */
+
+/* q, of both sides, and what is met next. */
+static void pass_mix_next(size_t count, vec wi, vec wo, const mutual_room *m, real *restrict q) {
+  ARRAYS(wi);
+  ARRAYS(wo);
+  (void)wox, (void)woy;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const relief r = relief_at(m, i);
+    const real pick = m->pick[i],
+               next = pick > 0 ? pick * next_density(r, next_at(m, i), AT(wi)) : 0;
+    const int lit = (height_over(r, AT(wi)) > 0) & (wiz[i] > 0) & (woz[i] > 0);
+    q[i] = lit ? (1 - pick) * q[i] + next : 0;
+  }
+}
+
+/* q by its share, and the diffuse part's density. */
+static void pass_add_matt(size_t count, const real *restrict share, const real *restrict matt,
+                          real *restrict q) {
+#pragma omp simd
+  for (size_t i = 0; i < count; i++)
+    q[i] = share[i] * q[i] + (1 - share[i]) * matt[i];
+}
+
+/* *b's lobe alone. */
+static bsdf lobe_of_bumps(const bsdf *b) {
+  bsdf alone = *b;
+  alone.has_diffuse = 0;
+  return alone;
+}
+
+static __attribute__((noinline)) unsigned bumps_density_block(const bsdf *b, const sample_block *s,
+                                                              draw_room *room, real *restrict pdf) {
+  mutual_room own;
+  ROOM one[BLOCK];
+  const size_t size = s->count;
+  const mutual_room *m = mutual_of(b, s, &own);
+  const bsdf alone = lobe_of_bumps(b);
+  sample_block at = *s;
+  unsigned status = SHADE_OK;
+  for (size_t i = 0; i < size; i++)
+    pdf[i] = 0;
+  for (int k = 0; k < 2; k++) {
+    if (k && !m->side[k].lit)
+      continue;
+    at.n = vec_in(&m->side[k].n);
+    status |= density_block(&alone, &at, room, one);
+    pass_add_side(size, m->side[k].weight, one, pdf);
+  }
+  pass_mix_next(size, s->wi, s->wo, m, pdf);
+  if (b->has_diffuse) {
+    vec_room bent;
+    pass_bend(size, s->n, s->wo, &bent);
+    pass_cosines(b, size, vec_in(&bent), s->wo, s->wo, room->cosi, room->coso);
+    pass_share(b, s, room->coso, room->weight);
+    pass_cosines(b, size, vec_in(&bent), s->wi, s->wo, room->cosi, room->coso);
+    for (size_t i = 0; i < size; i++)
+      one[i] = room->t[i] = 0;
+    pass_mix(size, even_share(b), room->t, room->cosi, room->coso, one);
+    pass_add_matt(size, room->weight, one, pdf);
+  }
+  if (s->bumps == BUMPS_OF_SOME) {
+    density_block(b, s, room, one);
+    copy_flat(s, 1, (const real *[]){one}, (real *[]){pdf});
+  }
+  return status;
+}
+
+/* ---- draws ------------------------------------------------------------------------------------
+ */
+
+/* The side that a lane draws about, and what is left of u1; `next` where it is neither. */
+static void pass_choose_side(size_t count, const mutual_room *m, real *restrict u1,
+                             real *restrict next, vec_room *restrict n) {
+  const real *restrict own = m->side[0].weight, *restrict other = m->side[1].weight;
+  const vec_room *restrict a = &m->side[0].n, *restrict o = &m->side[1].n;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const int is_next = u1[i] < m->pick[i];
+    const real u = remapped(u1[i], m->pick[i], is_next);
+    const real share = own[i] / maximum(own[i] + other[i], TINY);
+    const int first = u < share;
+    const real left = remapped(u, share, first);
+    n->x[i] = first ? a->x[i] : o->x[i];
+    n->y[i] = first ? a->y[i] : o->y[i];
+    n->z[i] = first ? a->z[i] : o->z[i];
+    next[i] = is_next ? R(1.0) : R(0.0);
+    u1[i] = is_next ? u : left;
+  }
+}
+
+/* What falls below the side or the map is lost, and what no side is seen for. */
+static void pass_lose(size_t count, const mutual_room *m, vec n, const real *restrict wx,
+                      const real *restrict wy, const real *restrict wz, real *restrict lost) {
+  ARRAYS(n);
+  const real *restrict own = m->side[0].weight, *restrict other = m->side[1].weight;
+#pragma omp simd
+  for (size_t i = 0; i < count; i++) {
+    const triple w = {wx[i], wy[i], wz[i]};
+    const int over = (dot_of(AT(n), w) > 0) & (height_over(relief_at(m, i), w) > 0);
+    lost[i] = over & (own[i] + other[i] > 0) ? lost[i] : 1;
+  }
+}
+
+static __attribute__((noinline)) void bumps_draw_block(const bsdf *b, const sample_block *s,
+                                                       draw_room *room, real *u1, real *u2,
+                                                       real *const wi[3], real *lost) {
+  const size_t size = s->count;
+  const mutual_room *m = s->met;
+  const bsdf alone = lobe_of_bumps(b);
+  ROOM matt[BLOCK], share[BLOCK], next[BLOCK], left[2][BLOCK];
+  ROOM flat_lost[BLOCK];
+  vec_room n, even, flat;
+  sample_block about = *s;
+  real *const flat_to[4] = {flat.x, flat.y, flat.z, flat_lost};
+  if (s->bumps == BUMPS_OF_SOME) {
+    memcpy(left[0], u1, size * sizeof *u1);
+    memcpy(left[1], u2, size * sizeof *u2);
+    draw_block(b, s, room, left[0], left[1], flat_to, flat_lost);
+  }
+  about.n = vec_in(&n);
+  if (b->has_diffuse) {
+    pass_bend(size, s->n, s->wo, &n);
+    pass_cosines(b, size, about.n, s->wo, s->wo, room->cosi, room->coso);
+    pass_share(b, s, room->coso, share);
+    pass_split(size, even_share(b), share, u1, u2, matt, even.x, even.y, even.z);
+    pass_out_of_frame(matt_frame(b), size, about.n, even.x, even.y, even.z);
+  }
+  pass_choose_side(size, m, u1, next, &n);
+  memcpy(left[0], u1, size * sizeof *u1);
+  memcpy(left[1], u2, size * sizeof *u2);
+  draw_block(&alone, &about, room, u1, u2, wi, lost);
+  pass_lose(size, m, about.n, wi[0], wi[1], wi[2], lost);
+  for (size_t i = 0; i < size; i++) {
+    drawn d = {{wi[0][i], wi[1][i], wi[2][i]}, lost[i]};
+    if (b->has_diffuse && matt[i] > 0)
+      d = settled((drawn){{even.x[i], even.y[i], even.z[i]}, 0});
+    else if (next[i] > 0)
+      d = draw_next(relief_at(m, i), next_at(m, i), left[0][i], left[1][i]);
+    else
+      continue;
+    wi[0][i] = d.w.x;
+    wi[1][i] = d.w.y;
+    wi[2][i] = d.w.z;
+    lost[i] = d.lost;
+  }
+  for (size_t i = 0; i < size; i++)
+    lost[i] = s->wo.z[i] > 0 ? lost[i] : 1;
+  if (s->bumps == BUMPS_OF_SOME)
+    copy_flat(s, 4, (const real *[]){flat.x, flat.y, flat.z, flat_lost},
+              (real *[]){wi[0], wi[1], wi[2], lost});
+}
+
+#endif
