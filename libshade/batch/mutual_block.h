@@ -9,11 +9,10 @@
 #include "../model/mutual.h"
 #include "draw_block.h"
 
-/* A facet that the eye sees: the normal, the cosine of the eye about it, 1 + 2 Lambda of that, and
- * its share; lit: whether any lane has one. */
+/* A side that the eye sees: its normal and its share; lit: whether any lane has one. */
 typedef struct side_room {
   vec_room n;
-  ROOM coso[BLOCK], lo[BLOCK], weight[BLOCK];
+  ROOM weight[BLOCK];
   int lit;
 } side_room;
 
@@ -72,12 +71,10 @@ static void pass_sides(const sample_block *s, mutual_room *restrict m) {
     own->n.x[i] = nx[i];
     own->n.y[i] = ny[i];
     own->n.z[i] = nz[i];
-    own->coso[i] = coso;
     own->weight[i] = weight;
     other->n.x[i] = seen.other.x;
     other->n.y[i] = seen.other.y;
     other->n.z[i] = seen.other.z;
-    other->coso[i] = beyond;
     other->weight[i] = rest;
     m->above[i] = seen.above;
     lit |= weight > 0;
@@ -90,58 +87,39 @@ static void pass_sides(const sample_block *s, mutual_room *restrict m) {
 /* ---- what is kept back ------------------------------------------------------------------------
  */
 
-/* Half vectors of one pair of uniform numbers, and their cosines in the lobe's frame, for a D that
- * integrates with it. */
-LEAF void pass_node_half(shade_mdf mdf, int visible, int projected, size_t count, pair u,
-                         const draw_room *m, const real *restrict ex, const real *restrict ey,
-                         const real *restrict ez, real *restrict hx, real *restrict hy,
-                         real *restrict hz, real *restrict upright) {
-  const real *restrict kx = m->kx, *restrict ky = m->ky;
+/* The axes of a side. */
+LEAF void pass_axes_of(shade_map frame, size_t count, vec n, vec_room *restrict x,
+                       vec_room *restrict y) {
+  ARRAYS(n);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    triple eye = {0, 0, 1};
-    if (visible)
-      eye = (triple){ex[i], ey[i], ez[i]};
-    const triple h = draw_half(mdf, visible, u.x, u.y, kx[i], ky[i], eye);
-    hx[i] = h.x;
-    hy[i] = h.y;
-    hz[i] = h.z;
-    upright[i] = projected ? h.z / root(dot_of(h, h) + TINY) : 1;
+    const axes f = axes_of(frame, AT(n));
+    x->x[i] = f.x.x;
+    x->y[i] = f.x.y;
+    x->z[i] = f.x.z;
+    y->x[i] = f.y.x;
+    y->y[i] = f.y.y;
+    y->z[i] = f.y.z;
   }
 }
 
-/* Those to directions, in place, and the cosine between; 0 where there is none. */
-LEAF void pass_node_mirror(shade_map frame, size_t count, vec n, vec wo, real *restrict hx,
-                           real *restrict hy, real *restrict hz, real *restrict hwo) {
+/* Adds what a side keeps back. */
+LEAF void pass_kept(shade_mdf mdf, shade_brdf brdf, const bsdf *b, const sample_block *s,
+                    const real *restrict weight, vec n, vec x, vec y, mutual_room *restrict m) {
+  const size_t size = s->count;
+  const int exponents = b->exponents, projected = b->projected;
+  const real *restrict kx = s->shape.kx, *restrict ky = s->shape.ky;
+  const vec wo = s->wo;
   ARRAYS(n);
+  ARRAYS(x);
+  ARRAYS(y);
   ARRAYS(wo);
 #pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    const triple h = out_of_frame(frame, AT(n), (triple){hx[i], hy[i], hz[i]});
-    const drawn d = reflected(AT(wo), h);
-    hwo[i] = maximum(dot_of(h, AT(wo)), 0) / root(dot_of(h, h) + TINY);
-    hx[i] = d.w.x;
-    hy[i] = d.w.y;
-    hz[i] = d.w.z;
-  }
-}
-
-/* Adds one direction of a side. */
-LEAF void pass_node_kept(shade_brdf brdf, int visible, size_t count, const side_room *side, vec w,
-                         const real *restrict hwo, const real *li, const real *restrict upright,
-                         mutual_room *restrict m) {
-  const real *restrict coso = side->coso, *restrict lo = side->lo, *restrict weight = side->weight;
-  const int smith = brdf == SHADE_BRDF_MICROFACET;
-  const vec n = vec_in(&side->n);
-  ARRAYS(n);
-  ARRAYS(w);
-#pragma omp simd
-  for (size_t i = 0; i < count; i++) {
-    const angles a = {hwo[i], dot_of(AT(n), AT(w)), coso[i], smith ? li[i] : 0, smith ? lo[i] : 0};
-    const real one = weight_of_draw(brdf, visible, upright[i], a);
-    const real g = (weight[i] > 0) & (a.hwo > 0) ? one * (weight[i] / SHADE_MUTUAL_NODES) : 0;
+  for (size_t i = 0; i < size; i++) {
+    const pair own = {facet_variance(exponents, kx[i]), facet_variance(exponents, ky[i])};
     const kept_back sum = {m->share[i], m->all[i], m->mean.x[i], m->mean.y[i], m->mean.z[i]};
-    const kept_back kept = kept_more(sum, relief_at(m, i), m->above[i], AT(w), g);
+    const kept_back kept = kept_of(sum, mdf, brdf, projected, relief_at(m, i), m->above[i],
+                                   (axes){AT(x), AT(y)}, AT(n), AT(wo), own, weight[i]);
     m->share[i] = kept.share;
     m->all[i] = kept.all;
     m->mean.x[i] = kept.x;
@@ -151,38 +129,21 @@ LEAF void pass_node_kept(shade_brdf brdf, int visible, size_t count, const side_
 }
 
 static void pass_kept_back(const bsdf *b, const sample_block *s, const side_room *side,
-                           draw_room *room, mutual_room *m) {
-  const size_t size = s->count;
-  const int visible = b->visible;
-  const vec w = {room->h[0], room->h[1], room->h[2]};
-  sample_block about = *s;
-  about.n = vec_in(&side->n);
-  pass_propose(0, 0, b, &about, room);
-  if (visible)
-    pass_into_frame(b->carry.frame, size, about.n, s->wo, room->ot, room->oxx);
-  for (int k = 0; k < SHADE_MUTUAL_NODES; k++) {
-    const pair u = mutual_node(k);
-#define LOOP(mdf)                                                                                  \
-  if (visible && shade_mdf_is(mdf).visible)                                                        \
-    pass_node_half(mdf, 1, 0, size, u, room, room->ot, room->oxx, side->coso, room->h[0],          \
-                   room->h[1], room->h[2], room->oyy);                                             \
-  else                                                                                             \
-    pass_node_half(mdf, 0, shade_mdf_is(mdf).projected, size, u, room, room->ot, room->oxx,        \
-                   side->coso, room->h[0], room->h[1], room->h[2], room->oyy)
+                           mutual_room *m) {
+  vec_room along_x, along_y;
+  const vec n = vec_in(&side->n), x = vec_in(&along_x), y = vec_in(&along_y);
+#define LOOP(frame) pass_axes_of(frame, s->count, n, &along_x, &along_y)
+  SHADE_LOOP_OF_FRAME(frame_of_sides(b))
+#undef LOOP
+  if (b->brdf == SHADE_BRDF_MICROFACET) {
+#define LOOP(mdf) pass_kept(mdf, SHADE_BRDF_MICROFACET, b, s, side->weight, n, x, y, m)
     SHADE_LOOP_OF(MDF, b->mdf)
 #undef LOOP
-#define LOOP(frame)                                                                                \
-  pass_node_mirror(frame, size, about.n, s->wo, room->h[0], room->h[1], room->h[2], room->hwo)
-    SHADE_LOOP_OF_FRAME(b->carry.frame)
-#undef LOOP
-    if (b->brdf == SHADE_BRDF_MICROFACET) {
-      pass_detail(b->carry.shadow, size, about.n, w, room->t, room->xx, room->yy);
-      pass_smith(b, &s->shape, size, room->xx, room->yy, room->t);
-    }
-#define LOOP(brdf) pass_node_kept(brdf, visible, size, side, w, room->hwo, room->t, room->oyy, m)
-    SHADE_LOOP_OF_BRDF(b->brdf)
-#undef LOOP
+    return;
   }
+#define LOOP(brdf) pass_kept(SHADE_MDF_GGX, brdf, b, s, side->weight, n, x, y, m)
+  SHADE_LOOP_OF_BRDF(b->brdf)
+#undef LOOP
 }
 
 /* ---- what is met next -------------------------------------------------------------------------
@@ -227,21 +188,13 @@ LEAF void pass_again(shade_fresnel fresnel, size_t count, const real *restrict f
 static __attribute__((noinline)) void mutual_block(const bsdf *b, const sample_block *s,
                                                    mutual_room *m) {
   const size_t size = s->count;
-  draw_room room;
   pass_relief(s, m);
   pass_sides(s, m);
   for (size_t i = 0; i < size; i++)
     m->share[i] = m->all[i] = m->mean.x[i] = m->mean.y[i] = m->mean.z[i] = 0;
-  for (int k = 0; k < 2; k++) {
-    side_room *side = &m->side[k];
-    if (!side->lit)
-      continue;
-    if (b->brdf == SHADE_BRDF_MICROFACET) {
-      pass_detail(b->carry.shadow, size, vec_in(&side->n), s->wo, room.t, room.xx, room.yy);
-      pass_smith(b, &s->shape, size, room.xx, room.yy, side->lo);
-    }
-    pass_kept_back(b, s, side, &room, m);
-  }
+  for (int k = 0; k < 2; k++)
+    if (m->side[k].lit)
+      pass_kept_back(b, s, &m->side[k], m);
   pass_next(b, s, m);
   for (int c = 0; c < 3; c++) {
 #define LOOP(fresnel) pass_again(fresnel, size, s->f0[c], s->tint[c], s->k[c], m, m->again[c])

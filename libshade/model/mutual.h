@@ -151,24 +151,6 @@ LEAF real unblocked(relief r, real above, triple wi) {
   return height > 0 ? through : 0;
 }
 
-enum { SHADE_MUTUAL_NODES = 8 };
-
-/* Fixed pairs of uniform numbers: even steps, and steps of the golden ratio. */
-LEAF pair mutual_node(int k) {
-  const real golden = R(0.61803398874989484820), at = (real)k + R(0.5), turn = at * golden;
-  return (pair){at / SHADE_MUTUAL_NODES, turn - (real)(int)turn};
-}
-
-/*
- * f cos without Fresnel over the density of the lobe's own draw, in both of which D is the same: as
- * if the lobe were the one that it is drawn by. hz: of a half vector in the lobe's frame, where D's
- * integral has it, else 1; visible: drawn as the eye sees them.
- */
-LEAF real weight_of_draw(shade_brdf brdf, int visible, real hz, angles a) {
-  const real per = visible ? 2 * a.coso * (1 + a.lo) : 4 * a.hwo / hz;
-  return a.cosi > 0 ? brdf_value(brdf, 1, a) * a.cosi * per : 0;
-}
-
 /* What is kept back of the light, all that a facet reflects, and the former's mean direction. */
 typedef struct kept_back {
   real share, all, x, y, z;
@@ -181,6 +163,70 @@ LEAF kept_back kept_more(kept_back sum, relief r, real above, triple w, real g) 
                      multiply_add(back, w.y, sum.y), multiply_add(back, w.z, sum.z)};
 }
 
+/* Twice a facet's own covariance of slopes, of one axis. */
+LEAF real facet_variance(int exponents, real k) {
+  return (exponents ? 2 : R(1.0)) / maximum(k, R(0.02));
+}
+
+/* A side in its frame: the axes, whose z is its normal, and the eye in them; its roots of own; for
+ * microfacet 1 + 2 Lambda of the eye, and 1 over the sum of what it sees of four facets. */
+typedef struct posed {
+  axes along;
+  triple n, eye;
+  real x, y, lo, per_seen;
+} posed;
+
+/* What direction the facet of the slopes -hx and -hy in that frame reflects, and how much of it. */
+LEAF kept_back kept_by(kept_back sum, shade_mdf mdf, shade_brdf brdf, int projected, relief r,
+                       real above, posed p, real share, real hx, real hy) {
+  const triple o = p.eye;
+  const real hh = 1 + hx * hx + hy * hy;
+  const real up = maximum(o.z + (hx * o.x + hy * o.y), 0), twice = 2 * up / hh;
+  const triple l = {twice * hx - o.x, twice * hy - o.y, twice - o.z};
+  real g;
+  if (brdf == SHADE_BRDF_MICROFACET) {
+    const real tx = p.x * l.x, ty = p.y * l.y;
+    const real li = smith_value(mdf, (tx * tx + ty * ty) / maximum(l.z * l.z, TINY));
+    g = up * p.per_seen * (1 + p.lo) / (li + p.lo);
+  } else {
+    const real size = root(hh), hwo = up / size;
+    const real per_density = R(0.25) * 4 * hwo * (projected ? size : 1);
+    g = brdf_value(brdf, 1, (angles){hwo, l.z, o.z, 0, 0}) * l.z * per_density;
+  }
+  g = (l.z > 0) & (o.z > 0) & (up > 0) ? share * g : 0;
+  const triple w = {l.x * p.along.x.x + l.y * p.along.y.x + l.z * p.n.x,
+                    l.x * p.along.x.y + l.y * p.along.y.y + l.z * p.n.y,
+                    l.x * p.along.x.z + l.y * p.along.y.z + l.z * p.n.z};
+  return kept_more(sum, r, above, w, g);
+}
+
+/*
+ * By four facets of a side, whose slopes are off its own by the root of `own` along one axis: exact
+ * for what is cubic in slopes that are Gaussian. All of D is in where they lie: each counts as f
+ * cos over the density of its draw, of visible normals for microfacet.
+ */
+LEAF kept_back kept_of(kept_back sum, shade_mdf mdf, shade_brdf brdf, int projected, relief r,
+                       real above, axes along, triple n, triple wo, pair own, real share) {
+  const triple o = {dot_of(along.x, wo), dot_of(along.y, wo), dot_of(n, wo)};
+  const real x = root(own.x), y = root(own.y), tx = x * o.x, ty = y * o.y;
+  posed p = {along, n, o, x, y, 0, 0};
+  if (brdf == SHADE_BRDF_MICROFACET) {
+    const real seen =
+        maximum(o.z + tx, 0) + maximum(o.z - tx, 0) + maximum(o.z + ty, 0) + maximum(o.z - ty, 0);
+    p.lo = smith_value(mdf, (tx * tx + ty * ty) / maximum(o.z * o.z, TINY));
+    p.per_seen = 1 / maximum(seen, TINY);
+  }
+  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, x, 0);
+  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, -x, 0);
+  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, 0, y);
+  return kept_by(sum, mdf, brdf, projected, r, above, p, share, 0, -y);
+}
+
+/* The frame of those facets: as the lobe is drawn in, a rigid one. */
+LEAF shade_map frame_of_sides(const bsdf *b) {
+  return shade_map_is(b->carry.frame).kind == SHADE_RIGID ? b->carry.frame : SHADE_MAP_SHORTEST_ARC;
+}
+
 /* The lobe of what is met next. */
 typedef struct next_lobe {
   triple from;           /* where that is seen from */
@@ -189,11 +235,6 @@ typedef struct next_lobe {
   real nu;               /* the height of `from` in standard deviations; */
   pair along;            /* its azimuth, in terms of these */
 } next_lobe;
-
-/* Twice a facet's own covariance of slopes, of one axis. */
-LEAF real facet_variance(int exponents, real k) {
-  return (exponents ? 2 : R(1.0)) / maximum(k, R(0.02));
-}
 
 /* From the mean direction of what is kept back; own: of the facets' own slopes. Grooves all but
  * cancel in the determinant: they are told apart from what they got. */
@@ -243,38 +284,6 @@ typedef struct mutual {
   next_lobe next;
 } mutual;
 
-/* The draws of a lobe are those of the first that it is drawn by. */
-static __attribute__((noinline)) kept_back kept_back_of(const bsdf *b, const mutual *m, triple wo) {
-  const SUFFIX(bsdf_numbers) *own = numbers_of(b);
-  const int hz = b->projected && !b->visible;
-  kept_back sum = {0, 0, 0, 0, 0};
-  for (int side = 0; side < 2; side++) {
-    const facet f = m->facet[side];
-    if (!(f.weight > 0))
-      continue;
-    const proposed p = propose(proposal_of(b), 0, own->kx, own->ky, f.n);
-    triple eye = {0, 0, 1};
-    if (b->visible) {
-      const pair o = into_frame(b->carry.frame, f.n, wo);
-      eye = (triple){o.x, o.y, f.coso};
-    }
-    for (int k = 0; k < SHADE_MUTUAL_NODES; k++) {
-      const pair u = mutual_node(k);
-      const triple h = draw_half(b->mdf, b->visible, u.x, u.y, p.kx, p.ky, eye);
-      const triple up = out_of_frame(b->carry.frame, f.n, h);
-      const drawn d = reflected(wo, up);
-      const real size = 1 / root(dot_of(up, up) + TINY);
-      angles a = {maximum(dot_of(up, wo), 0) * size, dot_of(f.n, d.w), f.coso, 0, f.lo};
-      if (b->brdf == SHADE_BRDF_MICROFACET)
-        a.li = smith(b, f.n, d.w);
-      const real upright = hz ? h.z / root(dot_of(h, h) + TINY) : 1;
-      const real g = d.lost > 0 ? 0 : weight_of_draw(b->brdf, b->visible, upright, a);
-      sum = kept_more(sum, m->map, m->above, d.w, g * (f.weight / SHADE_MUTUAL_NODES));
-    }
-  }
-  return sum;
-}
-
 LEAF facet facet_of(const bsdf *b, triple n, triple wo, real weight) {
   facet f = {n, dot_of(n, wo), 0, weight};
   f.weight = f.coso > 0 ? f.weight : 0;
@@ -292,11 +301,14 @@ static __attribute__((noinline)) void prepare_mutual(const bsdf *b, triple n, tr
   m->above = s.above;
   m->facet[0] = facet_of(b, n, wo, s.share);
   m->facet[1] = facet_of(b, s.other, wo, 1 - s.share);
-  const kept_back kept = kept_back_of(b, m, wo);
+  const pair at = {facet_variance(b->exponents, own->kx), facet_variance(b->exponents, own->ky)};
+  kept_back kept = {0, 0, 0, 0, 0};
+  for (int k = 0; k < 2; k++)
+    kept = kept_of(kept, b->mdf, b->brdf, b->projected, m->map, m->above,
+                   axes_of(frame_of_sides(b), m->facet[k].n), m->facet[k].n, wo, at,
+                   m->facet[k].weight);
   m->pick = next_pick(kept.share);
-  m->next = next_of(
-      m->map, (pair){facet_variance(b->exponents, own->kx), facet_variance(b->exponents, own->ky)},
-      (triple){kept.x, kept.y, kept.z});
+  m->next = next_of(m->map, at, (triple){kept.x, kept.y, kept.z});
   real colour[3];
   for (int c = 0; c < 3; c++)
     colour[c] = next_colour(kept, fresnel_mean(b->fresnel, own->f0[c], own->tint[c], own->k[c]));

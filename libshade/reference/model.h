@@ -94,7 +94,6 @@ real ref_with_matt(const shade_params *p, vec n, vec wi, vec wo, real density);
 
 /* ---- mutual.c ---- */
 
-enum { SHADE_REF_NODES = 8 };
 /* Whether the material has slopes for bumps to shade each other by. */
 int ref_has_bumps(const shade_params *p);
 void ref_mutual_f(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo, real f[3]);

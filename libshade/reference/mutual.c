@@ -4,122 +4,6 @@
 
 #include <math.h>
 
-/* ---- draws of a lobe, long-hand ---------------------------------------------------------------
- */
-
-/* t with probability u above it, under the density (rise + lean t) exp(-t^2), t > -rise/lean. */
-static real slope_towards(real u, real rise, real lean) {
-  real low = lean > 0 && rise < 12 * lean ? -rise / lean : -12, high = 12;
-  const real whole = rise * sqrtl(pi) / 2 * erfcl(low) + lean / 2 * expl(-low * low);
-  for (int k = 0; k < 90; k++) {
-    const real t = (low + high) / 2;
-    const real above = rise * sqrtl(pi) / 2 * erfcl(t) + lean / 2 * expl(-t * t);
-    *(above > u * whole ? &low : &high) = t;
-  }
-  return (low + high) / 2;
-}
-
-/* A half vector of one lobe of the proposal, in its frame; eye is wo in the same. */
-static vec half_of(const shade_params *p, proposal q, real u1, real u2, vec eye, int visible) {
-  const real c = cosl(2 * pi * u1), s = sinl(2 * pi * u1);
-  switch (p->mdf) {
-  case SHADE_MDF_WARD_HALF: {
-    const real x = c * q.x, y = s * q.y, size = length2(x, y), k = 1 / square(size);
-    const real m = -log1pl(u2 * expm1l(-2 * k)) / (2 * k), sine = sqrtl(m * (2 - m));
-    return (vec){sine * x / size, sine * y / size, 1 - m};
-  }
-  case SHADE_MDF_BECKMANN: {
-    if (!visible) {
-      const real r = sqrtl(-log1pl(-u2));
-      return (vec){r * c * q.x, r * s * q.y, 1};
-    }
-    const real x = q.x * eye.x, y = q.y * eye.y, side = length2(x, y), size = length2(side, eye.z);
-    const real cx = side > 0 ? x / side : 1, cy = side > 0 ? y / side : 0;
-    const real along = slope_towards(u1, eye.z / size, side / size);
-    const real across = slope_towards(u2, 1, 0);
-    return (vec){q.x * (along * cx - across * cy), q.y * (along * cy + across * cx), 1};
-  }
-  case SHADE_MDF_GGX: {
-    if (!visible) {
-      const real r = sqrtl(u2 / (1 - u2));
-      return (vec){r * c * q.x, r * s * q.y, 1};
-    }
-    const vec o = unit((vec){q.x * eye.x, q.y * eye.y, eye.z});
-    const real z = (1 - u2) * (1 + o.z) - o.z, sine = sqrtl(1 - z * z);
-    return (vec){q.x * (sine * c + o.x), q.y * (sine * s + o.y), z + o.z};
-  }
-  case SHADE_MDF_ASHIKHMIN_SHIRLEY:
-  case SHADE_MDF_WARD:
-  case SHADE_MDF_COUNT:
-    break;
-  }
-  const vec a = {c / sqrtl(q.x + 1), s / sqrtl(q.y + 1), 0}; /* the azimuth; |a|^2 is 1/(e + 1) */
-  const real z = powl(1 - u2, dot(a, a)), sine = sqrtl(-expm1l(2 * dot(a, a) * log1pl(-u2)));
-  return (vec){sine * a.x / length(a), sine * a.y / length(a), z};
-}
-
-/* Through a warp: the point p of the disc moved by the share of n that leads there. */
-static vec through_warp(shade_detail detail, vec n, vec m) {
-  m = unit(m);
-  const vec p = {m.x, m.y, 0}, delta = {n.x, n.y, 0};
-  real w = 1 - length(p);
-  if (detail == SHADE_DETAIL_DEFORM_SMOOTH || detail == SHADE_DETAIL_DEFORM_SMOOTH_CONSERVING) {
-    /* the least v with v (2 - v) = |p + v (1 - v) delta| */
-    real v = length(p) / (2 + length(delta));
-    for (int k = 0; k < 60; k++) {
-      const vec e = plus(p, scale(delta, v * (1 - v)));
-      const real size = length(e), lean = size > 0 ? dot(e, delta) / size : 0;
-      const real slope = 2 - 2 * v - (1 - 2 * v) * lean;
-      v = within(v - (v * (2 - v) - size) / (slope > 1e-6L ? slope : 1e-6L), 0, 1);
-    }
-    w = 1 - v;
-  }
-  vec h = plus(p, scale(delta, w));
-  h.z = sqrtl(within(1 - dot(h, h), 0, 1));
-  return h;
-}
-
-/* A direction of the lobe about n, of any height, and the cosine of its half vector in the lobe's
- * frame. Of more than one lobe that it is drawn by, the first. Returns whether there is one. */
-static int draw(const shade_params *p, vec n, vec wo, real u1, real u2, vec *wi, real *upright) {
-  const shade_detail detail = ref_method_of(p), frame = ref_drawn_in(p);
-  const int visible = ref_draws_visible(p);
-  proposal q[3];
-  ref_proposals(p, n, q);
-  const vec eye = visible ? ref_carried_by(frame, p, n, wo) : wo;
-  const vec m = unit(half_of(p, q[0], u1, u2, eye, visible));
-  vec h;
-  if (ref_is_warp(detail)) {
-    h = through_warp(detail, n, m);
-  } else { /* a rotation: the way back is its transpose */
-    const vec x = ref_carried_by(frame, p, n, (vec){1, 0, 0});
-    const vec y = ref_carried_by(frame, p, n, (vec){0, 1, 0});
-    const vec z = ref_carried_by(frame, p, n, (vec){0, 0, 1});
-    h = (vec){dot(x, m), dot(y, m), dot(z, m)};
-  }
-  *wi = mirrored(wo, unit(h));
-  *upright = m.z;
-  return dot(h, wo) > 0;
-}
-
-/*
- * f cos over the density of the draw, for a D of 1: visible normals by D (o.h) G1 / o.z, other ones
- * by D, or D times its cosine for those that integrate with it.
- */
-static real weight_of_draw(const shade_params *p, vec n, vec wi, vec wo, real upright) {
-  const real cosi = dot(n, wi), coso = dot(n, wo);
-  if (cosi <= 0 || coso <= 0)
-    return 0;
-  const real f = ref_brdf(p, n, wi, wo, cosi, coso, 1);
-  if (ref_draws_visible(p))
-    return f * cosi * 4 * coso * (1 + ref_lambda(p, n, wo));
-  const int projected = p->mdf == SHADE_MDF_GGX || p->mdf == SHADE_MDF_BECKMANN;
-  return f * cosi * 4 * dot(unit(plus(wi, wo)), wo) / (projected ? upright : 1);
-}
-
-/* ---- a hit ------------------------------------------------------------------------------------
- */
-
 typedef struct side {
   vec n, lobe_n;
   real share;
@@ -206,25 +90,65 @@ static real side_density(const bumps *b, const side *s, vec wi) {
   return ref_lobe_density(b->p, s->lobe_n, wi, b->wo);
 }
 
-/* What is kept back of the light, by that many draws; of all that is reflected; its direction. */
+/* Twice the covariance of a facet's own slopes, along x and y. */
+static void own_variance(const shade_params *p, real v[2]) {
+  const real most = sqrtl(50); /* of half the covariance */
+  const int exponents = p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
+  v[0] = exponents ? 2 / within(p->ex, 0.02L, 1e6L) : square(within(p->ax, 1e-4L, most));
+  v[1] = exponents ? 2 / within(p->ey, 0.02L, 1e6L) : square(within(p->ay, 1e-4L, most));
+}
+
+/* What is kept back of the light, of all that is reflected; its direction. */
 typedef struct kept_back {
   real share, all;
   vec mean;
 } kept_back;
-static kept_back kept_back_of(const bumps *b, int nodes) {
+
+/* 1 + 2 Lambda of a lobe whose slopes' covariance is v / 2, of w in its frame. */
+static real smith(const shade_params *p, const real v[2], vec w) {
+  const real slope2 = (v[0] * w.x * w.x + v[1] * w.y * w.y) / square(w.z), a = 1 / sqrtl(slope2);
+  if (p->mdf == SHADE_MDF_GGX)
+    return sqrtl(1 + slope2);
+  return slope2 > 0 ? erfl(a) + expl(-a * a) / (a * sqrtl(pi)) : 1;
+}
+
+/* By four facets of each side, whose slopes are off its own along one axis. */
+static kept_back kept_back_of(const bumps *b) {
+  const shade_params *p = b->p;
+  const int microfacet = ref_brdf_of(p) == SHADE_BRDF_MICROFACET;
+  const int projected = p->mdf == SHADE_MDF_GGX || p->mdf == SHADE_MDF_BECKMANN;
+  const shade_detail detail =
+      ref_is_warp(ref_method_of(p)) ? SHADE_DETAIL_SHORTEST_ARC : ref_drawn_in(p);
   kept_back sum = {0, 0, {0, 0, 0}};
-  for (int k = 0; k < 2 * nodes; k++) {
-    const side *s = &b->side[k / nodes];
-    const real at = (real)(k % nodes) + 0.5L, turn = at * (sqrtl(5) - 1) / 2;
-    vec wi;
-    real upright;
-    if (s->share <= 0 || dot(s->n, b->wo) <= 0 ||
-        !draw(b->p, s->lobe_n, b->wo, at / (real)nodes, turn - floorl(turn), &wi, &upright))
+  real v[2];
+  own_variance(p, v);
+  for (int k = 0; k < 2; k++) {
+    const side *s = &b->side[k];
+    if (s->share <= 0 || dot(s->n, b->wo) <= 0)
       continue;
-    const real g = s->share * weight_of_draw(b->p, s->n, wi, b->wo, upright) / (real)nodes;
-    sum.all += g;
-    sum.share += g * (1 - unblocked(b, wi));
-    sum.mean = plus(sum.mean, scale(wi, g * (1 - unblocked(b, wi))));
+    const vec to[4] = {
+        {sqrtl(v[0]), 0, 1}, {-sqrtl(v[0]), 0, 1}, {0, sqrtl(v[1]), 1}, {0, -sqrtl(v[1]), 1}};
+    const vec o = ref_carried_by(detail, p, s->lobe_n, b->wo);
+    const vec x = ref_carried_by(detail, p, s->lobe_n, (vec){1, 0, 0});
+    const vec y = ref_carried_by(detail, p, s->lobe_n, (vec){0, 1, 0});
+    const vec z = ref_carried_by(detail, p, s->lobe_n, (vec){0, 0, 1});
+    real seen = 0;
+    for (int i = 0; i < 4; i++)
+      seen += fmaxl(dot(to[i], o), 0);
+    for (int i = 0; i < 4; i++) {
+      const vec h = unit(to[i]), l = mirrored(o, h);
+      const vec wi = {dot(x, l), dot(y, l), dot(z, l)};
+      if (dot(h, o) <= 0 || l.z <= 0)
+        continue;
+      real g = ref_brdf(p, s->n, wi, b->wo, l.z, o.z, 1) * l.z * dot(h, o) / (projected ? h.z : 1);
+      if (microfacet) {
+        const real lo = smith(p, v, o);
+        g = dot(to[i], o) / seen * (1 + lo) / (smith(p, v, l) + lo);
+      }
+      sum.all += s->share * g;
+      sum.share += s->share * g * (1 - unblocked(b, wi));
+      sum.mean = plus(sum.mean, scale(wi, s->share * g * (1 - unblocked(b, wi))));
+    }
   }
   return sum;
 }
@@ -237,14 +161,10 @@ typedef struct next {
 static next next_of(const bumps *b, kept_back kept) {
   const shade_params *p = b->p;
   next m = {unit(scale(kept.mean, -1)), b->xx, b->xy, b->yy, 0};
-  if (p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY) {
-    m.xx += 2 / within(p->ex, 0.02L, 1e6L);
-    m.yy += 2 / within(p->ey, 0.02L, 1e6L);
-  } else {
-    const real most = sqrtl(50); /* of half the covariance, as above */
-    m.xx += square(within(p->ax, 1e-4L, most));
-    m.yy += square(within(p->ay, 1e-4L, most));
-  }
+  real v[2];
+  own_variance(p, v);
+  m.xx += v[0];
+  m.yy += v[1];
   vec c = m.from;
   real t = sqrtl(m.xx * c.x * c.x + 2 * m.xy * c.x * c.y + m.yy * c.y * c.y);
   if (height(b, c) < -2.5L * t) {
@@ -277,7 +197,7 @@ void ref_mutual_f(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo, real
   if (wi.z <= 0 || wo.z <= 0)
     return;
   const bumps b = bumps_at(p, n, lobe_n, wo);
-  const kept_back kept = kept_back_of(&b, SHADE_REF_NODES);
+  const kept_back kept = kept_back_of(&b);
   real once = 0, twice = 0;
   for (int k = 0; k < 2; k++)
     once += unblocked(&b, wi) * b.side[k].share * side_value(&b, &b.side[k], wi);
@@ -302,7 +222,7 @@ real ref_mutual_density(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo
   const bumps b = bumps_at(p, n, lobe_n, wo);
   real density = 0;
   if (height(&b, wi) > 0) {
-    const kept_back kept = kept_back_of(&b, SHADE_REF_NODES);
+    const kept_back kept = kept_back_of(&b);
     const real pick = kept.share > 1e-9L ? (kept.share < 0.9L ? kept.share : 0.9L) : 0;
     for (int k = 0; k < 2; k++)
       density += (1 - pick) * b.side[k].share * side_density(&b, &b.side[k], wi);
@@ -315,8 +235,19 @@ real ref_mutual_density(const shade_params *p, vec n, vec lobe_n, vec wi, vec wo
 }
 
 double shade_ref_kept_back(const shade_params *p, const double n_in[3], const double wo_in[3],
-                           int nodes) {
+                           int steps) {
   const vec n = normal(n_in), wo = direction(wo_in);
   const bumps b = bumps_at(p, n, ref_as_given(p, n_in, n), wo);
-  return (double)kept_back_of(&b, nodes).share;
+  if (!steps)
+    return (double)kept_back_of(&b).share;
+  real sum = 0;
+  for (int j = 0; j < steps; j++)
+    for (int i = 0; i < 2 * steps; i++) {
+      const real z = -1 + 2 * ((real)j + 0.5L) / steps, turn = pi * ((real)i + 0.5L) / steps;
+      const real sine = sqrtl(1 - z * z);
+      const vec wi = {sine * cosl(turn), sine * sinl(turn), z};
+      for (int k = 0; k < 2; k++)
+        sum += b.side[k].share * side_value(&b, &b.side[k], wi) * (1 - unblocked(&b, wi));
+    }
+  return (double)(sum * 2 * pi / square(steps));
 }

@@ -31,10 +31,10 @@ double shade_ref_pdf(const shade_params *p, const double n[3], const double wi[3
                      const double wo[3]);
 
 /*
- * For horizon `mutual`: the share of the light that other bumps keep back, by so many draws of
- * each side of the bump. f has those of 8; thousands are as good as an integral.
+ * For horizon `mutual`: the share of the light that other bumps keep back, as f has it, or by an
+ * integral of so many steps of the height.
  */
-double shade_ref_kept_back(const shade_params *p, const double n[3], const double wo[3], int nodes);
+double shade_ref_kept_back(const shade_params *p, const double n[3], const double wo[3], int steps);
 
 /*
  * The normal whose lobe and horizon f has under p->horizon: n, made unit and lifted as above,

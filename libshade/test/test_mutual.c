@@ -121,26 +121,27 @@ static void against_reference(void **state) {
 static void nodes(void **state) {
   (void)state;
   uint64_t seed = 32;
-  double mean = 0, most = 0;
+  double mean = 0, most = 0, total = 0;
   enum { POINTS = 20 };
   for (int k = 0; k < POINTS; k++) {
     shade_params p;
     double n[3], wo[3];
     shade_params_init(&p);
-    p.mdf = SHADE_MDF_GGX;
+    p.mdf = k & 1 ? SHADE_MDF_ASHIKHMIN_SHIRLEY : SHADE_MDF_GGX;
     p.horizon = SHADE_HORIZON_MUTUAL;
     shade_params_set_alphas(&p, 0.2, 0.2);
     p.slopes[2] = p.slopes[4] = 0.25;
     normal_of(0.5 * gauss(&seed), 0.5 * gauss(&seed), n);
     spherical((15 + 60 * uniform(&seed)) * PI / 180, 2 * PI * uniform(&seed), wo);
-    const double all = shade_ref_kept_back(&p, n, wo, 2000 / FEWER);
-    const double off = fabs(shade_ref_kept_back(&p, n, wo, 8) - all);
+    const double all = shade_ref_kept_back(&p, n, wo, 200);
+    const double off = fabs(shade_ref_kept_back(&p, n, wo, 0) - all);
     mean += off / POINTS;
     most = fmax(most, off);
-    assert_true(all > 0.01 && all < 0.9);
+    assert_true(all >= 0 && all < 0.9);
+    total += all / POINTS;
   }
-  print_message("eight nodes: off by %.3f in the mean, %.3f at most\n", mean, most);
-  assert_true(mean <= 0.035 && most <= 0.12);
+  print_message("four facets of each side: off by %.3f in the mean, %.3f at most\n", mean, most);
+  assert_true(total > 0.05 && mean <= 0.035 && most <= 0.12);
 }
 
 /* Draws fall as their density says, and their mean f cos / pdf is finite. */
