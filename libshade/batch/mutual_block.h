@@ -16,44 +16,29 @@ typedef struct side_room {
   int lit;
 } side_room;
 
-/* mutual and kept_back, an array of each number. */
+/* mutual and kept_back, an array of each number; slopes are the block's. */
 typedef struct mutual_room {
-  ROOM x[BLOCK], y[BLOCK], xx[BLOCK], xy[BLOCK], yy[BLOCK], more[BLOCK], above[BLOCK];
+  const real *slopes[5];
+  ROOM above[BLOCK];
   side_room side[2];
   ROOM share[BLOCK], all[BLOCK], pick[BLOCK], again[3][BLOCK];
   vec_room mean, from;
-  ROOM first[BLOCK], low[BLOCK], last[BLOCK], per_area[BLOCK], nu[BLOCK];
-  ROOM along_x[BLOCK], along_y[BLOCK];
+  ROOM first[BLOCK], low[BLOCK], last[BLOCK], per_area[BLOCK];
 } mutual_room;
 
-LEAF relief relief_at(const mutual_room *m, size_t i) {
-  return (relief){m->x[i], m->y[i], m->xx[i], m->xy[i], m->yy[i], m->more[i]};
-}
+/* Slopes, an array of each number, and relief i of them, in a loop. */
+#define SLOPES(m)                                                                                  \
+  const real *restrict mx = (m)->slopes[0], *restrict my = (m)->slopes[1];                         \
+  const real *restrict mxx = (m)->slopes[2], *restrict mxy = (m)->slopes[3];                       \
+  const real *restrict myy = (m)->slopes[4]
+#define RELIEF relief_of(mx[i], my[i], mxx[i], mxy[i], myy[i])
+
 LEAF next_lobe next_at(const mutual_room *m, size_t i) {
   return (next_lobe){{m->from.x[i], m->from.y[i], m->from.z[i]},
                      m->first[i],
                      m->low[i],
                      m->last[i],
-                     m->per_area[i],
-                     m->nu[i],
-                     {m->along_x[i], m->along_y[i]}};
-}
-
-static void pass_relief(const sample_block *s, mutual_room *restrict m) {
-  const real *restrict x = s->slopes[0], *restrict y = s->slopes[1], *restrict xx = s->slopes[2];
-  const real *restrict xy = s->slopes[3], *restrict yy = s->slopes[4];
-  const size_t size = s->count;
-#pragma omp simd
-  for (size_t i = 0; i < size; i++) {
-    const real slopes[5] = {x[i], y[i], xx[i], xy[i], yy[i]};
-    const relief r = relief_of(slopes);
-    m->x[i] = r.x;
-    m->y[i] = r.y;
-    m->xx[i] = r.xx;
-    m->xy[i] = r.xy;
-    m->yy[i] = r.yy;
-    m->more[i] = r.more;
-  }
+                     m->per_area[i]};
 }
 
 static void pass_sides(const sample_block *s, mutual_room *restrict m) {
@@ -63,9 +48,10 @@ static void pass_sides(const sample_block *s, mutual_room *restrict m) {
   int lit = 0, both = 0;
   ARRAYS(n);
   ARRAYS(wo);
+  SLOPES(m);
 #pragma omp simd reduction(| : lit, both)
   for (size_t i = 0; i < size; i++) {
-    const sides seen = sides_of(relief_at(m, i), AT(n), AT(wo));
+    const sides seen = sides_of(RELIEF, AT(n), AT(wo));
     const real coso = dot_of(AT(n), AT(wo)), beyond = dot_of(seen.other, AT(wo));
     const real weight = coso > 0 ? seen.share : 0, rest = beyond > 0 ? 1 - seen.share : 0;
     own->n.x[i] = nx[i];
@@ -114,11 +100,12 @@ LEAF void pass_kept(shade_mdf mdf, shade_brdf brdf, const bsdf *b, const sample_
   ARRAYS(x);
   ARRAYS(y);
   ARRAYS(wo);
+  SLOPES(m);
 #pragma omp simd
   for (size_t i = 0; i < size; i++) {
     const pair own = {facet_variance(exponents, kx[i]), facet_variance(exponents, ky[i])};
     const kept_back sum = {m->share[i], m->all[i], m->mean.x[i], m->mean.y[i], m->mean.z[i]};
-    const kept_back kept = kept_of(sum, mdf, brdf, projected, relief_at(m, i), m->above[i],
+    const kept_back kept = kept_of(sum, mdf, brdf, projected, RELIEF, m->above[i],
                                    (axes){AT(x), AT(y)}, AT(n), AT(wo), own, weight[i]);
     m->share[i] = kept.share;
     m->all[i] = kept.all;
@@ -153,11 +140,12 @@ static void pass_next(const bsdf *b, const sample_block *s, mutual_room *restric
   const size_t size = s->count;
   const int exponents = b->exponents;
   const real *restrict kx = s->shape.kx, *restrict ky = s->shape.ky;
+  SLOPES(m);
 #pragma omp simd
   for (size_t i = 0; i < size; i++) {
     const pair own = {facet_variance(exponents, kx[i]), facet_variance(exponents, ky[i])};
     const triple mean = {m->mean.x[i], m->mean.y[i], m->mean.z[i]};
-    const next_lobe next = next_of(relief_at(m, i), own, mean);
+    const next_lobe next = next_of(RELIEF, own, mean);
     m->pick[i] = next_pick(m->share[i]);
     m->from.x[i] = next.from.x;
     m->from.y[i] = next.from.y;
@@ -166,9 +154,6 @@ static void pass_next(const bsdf *b, const sample_block *s, mutual_room *restric
     m->low[i] = next.low;
     m->last[i] = next.last;
     m->per_area[i] = next.per_area;
-    m->nu[i] = next.nu;
-    m->along_x[i] = next.along.x;
-    m->along_y[i] = next.along.y;
   }
 }
 
@@ -188,7 +173,7 @@ LEAF void pass_again(shade_fresnel fresnel, size_t count, const real *restrict f
 static __attribute__((noinline)) void mutual_block(const bsdf *b, const sample_block *s,
                                                    mutual_room *m) {
   const size_t size = s->count;
-  pass_relief(s, m);
+  memcpy(m->slopes, s->slopes, sizeof m->slopes);
   pass_sides(s, m);
   for (size_t i = 0; i < size; i++)
     m->share[i] = m->all[i] = m->mean.x[i] = m->mean.y[i] = m->mean.z[i] = 0;
@@ -239,9 +224,10 @@ static void pass_meet(size_t count, vec wi, vec wo, const mutual_room *m, real *
   ARRAYS(wi);
   ARRAYS(wo);
   (void)wox, (void)woy;
+  SLOPES(m);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    const relief r = relief_at(m, i);
+    const relief r = RELIEF;
     const real through = unblocked(r, m->above[i], AT(wi)),
                next = next_density(r, next_at(m, i), AT(wi));
     const int lit = (through > 0) & (wiz[i] > 0) & (woz[i] > 0);
@@ -319,9 +305,10 @@ static void pass_mix_next(size_t count, vec wi, vec wo, const mutual_room *m, re
   ARRAYS(wi);
   ARRAYS(wo);
   (void)wox, (void)woy;
+  SLOPES(m);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
-    const relief r = relief_at(m, i);
+    const relief r = RELIEF;
     const real pick = m->pick[i],
                next = pick > 0 ? pick * next_density(r, next_at(m, i), AT(wi)) : 0;
     const int lit = (height_over(r, AT(wi)) > 0) & (wiz[i] > 0) & (woz[i] > 0);
@@ -409,10 +396,11 @@ static void pass_lose(size_t count, const mutual_room *m, vec n, const real *res
                       const real *restrict wy, const real *restrict wz, real *restrict lost) {
   ARRAYS(n);
   const real *restrict own = m->side[0].weight, *restrict other = m->side[1].weight;
+  SLOPES(m);
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const triple w = {wx[i], wy[i], wz[i]};
-    const int over = (dot_of(AT(n), w) > 0) & (height_over(relief_at(m, i), w) > 0);
+    const int over = (dot_of(AT(n), w) > 0) & (height_over(RELIEF, w) > 0);
     lost[i] = over & (own[i] + other[i] > 0) ? lost[i] : 1;
   }
 }
@@ -422,6 +410,7 @@ static __attribute__((noinline)) void bumps_draw_block(const bsdf *b, const samp
                                                        real *const wi[3], real *lost) {
   const size_t size = s->count;
   const mutual_room *m = s->met;
+  SLOPES(m);
   const bsdf alone = lobe_of_bumps(b);
   ROOM matt[BLOCK], share[BLOCK], next[BLOCK], left[2][BLOCK];
   ROOM flat_lost[BLOCK];
@@ -451,7 +440,7 @@ static __attribute__((noinline)) void bumps_draw_block(const bsdf *b, const samp
     if (b->has_diffuse && matt[i] > 0)
       d = settled((drawn){{even.x[i], even.y[i], even.z[i]}, 0});
     else if (next[i] > 0)
-      d = draw_next(relief_at(m, i), next_at(m, i), left[0][i], left[1][i]);
+      d = draw_next(RELIEF, next_at(m, i), left[0][i], left[1][i]);
     else
       continue;
     wi[0][i] = d.w.x;

@@ -35,14 +35,9 @@ typedef struct relief {
 } relief;
 
 /* Grooves get some width, or the other side of one that is seen along them would be anywhere. */
-LEAF relief relief_of(const real slopes[5]) {
-  relief r = {slopes[0], slopes[1], maximum(slopes[2], 0), slopes[3], maximum(slopes[4], 0), 0};
-  const real most = root(r.xx) * root(r.yy);
-  r.xy = minimum(maximum(r.xy, -most), most);
-  r.more = R(1e-4) * (r.xx + r.yy);
-  r.xx += r.more;
-  r.yy += r.more;
-  return r;
+LEAF relief relief_of(real x, real y, real xx, real xy, real yy) {
+  const real more = R(1e-4) * (xx + yy);
+  return (relief){x, y, xx + more, xy, yy + more, more};
 }
 
 /* Height of a direction over the mean plane, by the shear; the variance of slopes along it. */
@@ -54,12 +49,16 @@ LEAF real variance_along(relief r, triple w) {
   return maximum(x * w.x + y * w.y, 0);
 }
 
-/* Smith's Lambda of Gaussian slopes, by a rational fit; height > 0. [Walter2007] */
-LEAF real relief_lambda(real height, real variance) {
-  const real a = maximum(height / maximum(root(2 * variance), R(1e-18)), R(1e-7));
-  const real top = 1 - R(1.259) * a + R(0.396) * (a * a);
-  const real lambda = top / (R(3.535) * a + R(2.181) * (a * a));
-  return a < R(1.6) ? maximum(lambda, 0) : 0;
+/* Smith's Lambda of Gaussian slopes, by a rational fit in height / spread, as a fraction: both
+ * parts times spread^2; height > 0 and spread^2 twice the variance. [Walter2007] */
+typedef struct fraction {
+  real over, under;
+} fraction;
+LEAF fraction relief_lambda(real height, real variance) {
+  const real spread2 = 2 * variance, both = root(spread2) * height, height2 = height * height;
+  const real over = spread2 - R(1.259) * both + R(0.396) * height2;
+  return (fraction){height2 < R(2.56) * spread2 ? maximum(over, 0) : 0,
+                    R(3.535) * both + R(2.181) * height2};
 }
 
 /* Density and distribution of the normal distribution, and x P(x) + p(x). */
@@ -138,16 +137,18 @@ LEAF sides sides_of(relief r, triple n, triple wo) {
   const real x = multiply_add(step, r.xx * wo.x + r.xy * wo.y, -sx);
   const real y = multiply_add(step, r.xy * wo.x + r.yy * wo.y, -sy);
   const real length = 1 / root(x * x + y * y + 1);
+  const fraction masked = relief_lambda(maximum(height, R(1e-7) * root(2 * variance)), variance);
   sides s = {{seen ? n.x : x * length, seen ? n.y : y * length, seen ? n.z : length},
              seen ? 1 : share,
-             1 + relief_lambda(maximum(height, 0), variance)};
+             1 + masked.over / maximum(masked.under, TINY)};
   return s;
 }
 
 /* Share of the light from wi that other bumps let through; above: 1 + Lambda(wo). */
 LEAF real unblocked(relief r, real above, triple wi) {
   const real height = height_over(r, wi);
-  const real through = above / (above + relief_lambda(height, variance_along(r, wi)));
+  const fraction masked = relief_lambda(height, variance_along(r, wi));
+  const real through = above * masked.under / maximum(above * masked.under + masked.over, TINY);
   return height > 0 ? through : 0;
 }
 
@@ -180,8 +181,8 @@ typedef struct posed {
 LEAF kept_back kept_by(kept_back sum, shade_mdf mdf, shade_brdf brdf, int projected, relief r,
                        real above, posed p, real share, real hx, real hy) {
   const triple o = p.eye;
-  const real hh = 1 + hx * hx + hy * hy;
-  const real up = maximum(o.z + (hx * o.x + hy * o.y), 0), twice = 2 * up / hh;
+  const real size = root(1 + (hx * hx + hy * hy)), per = 1 / size;
+  const real up = maximum(o.z + (hx * o.x + hy * o.y), 0), twice = 2 * up * (per * per);
   const triple l = {twice * hx - o.x, twice * hy - o.y, twice - o.z};
   real g;
   if (brdf == SHADE_BRDF_MICROFACET) {
@@ -189,7 +190,7 @@ LEAF kept_back kept_by(kept_back sum, shade_mdf mdf, shade_brdf brdf, int projec
     const real li = smith_value(mdf, (tx * tx + ty * ty) / maximum(l.z * l.z, TINY));
     g = up * p.per_seen * (1 + p.lo) / (li + p.lo);
   } else {
-    const real size = root(hh), hwo = up / size;
+    const real hwo = up * per;
     const real per_density = R(0.25) * 4 * hwo * (projected ? size : 1);
     g = brdf_value(brdf, 1, (angles){hwo, l.z, o.z, 0, 0}) * l.z * per_density;
   }
@@ -231,10 +232,23 @@ LEAF shade_map frame_of_sides(const bsdf *b) {
 typedef struct next_lobe {
   triple from;           /* where that is seen from */
   real first, low, last; /* the lower triangle of its slopes' covariance; */
-  real per_area;         /* 1 over all but the exponential of its density; */
-  real nu;               /* the height of `from` in standard deviations; */
-  pair along;            /* its azimuth, in terms of these */
+  real per_area;         /* 1 over all but the exponential of its density */
 } next_lobe;
+
+/* Where the eye of a lobe stands, in terms of its slopes: azimuth, their spread along it, and its
+ * height in units of that. */
+typedef struct standing {
+  pair along;
+  real spread, nu;
+} standing;
+LEAF standing standing_of(relief r, next_lobe m) {
+  const real x = m.first * m.from.x + m.low * m.from.y, y = m.last * m.from.y;
+  const real spread = root(x * x + y * y), per = 1 / maximum(spread, R(1e-12));
+  const int flat = !(spread > R(1e-12));
+  const real safe = maximum(spread, R(1e-6));
+  return (standing){
+      {flat ? 1 : x * per, y * per}, safe, maximum(height_over(r, m.from) / safe, R(-2.5))};
+}
 
 /* From the mean direction of what is kept back; own: of the facets' own slopes. Grooves all but
  * cancel in the determinant: they are told apart from what they got. */
@@ -248,21 +262,15 @@ LEAF next_lobe next_of(relief r, pair own, triple mean) {
   m.last = root(grooves + (x0 * ey + (y0 * ex + ex * ey))) / m.first;
   const real size = 1 / root(dot_of(mean, mean) + TINY);
   triple c = {-mean.x * size, -mean.y * size, -mean.z * size};
-  real x = m.first * c.x + m.low * c.y, y = m.last * c.y, spread = root(x * x + y * y);
-  const int under = height_over(r, c) < R(-2.5) * spread; /* so far below nothing shows */
-  c.z = under ? r.x * c.x + r.y * c.y - R(2.5) * spread : c.z;
+  const real x = m.first * c.x + m.low * c.y, y = m.last * c.y;
+  const real least = r.x * c.x + r.y * c.y - R(2.5) * root(x * x + y * y);
+  const int under = c.z < least; /* so far below nothing shows */
+  c.z = under ? least : c.z;
   const real again = under ? 1 / root(dot_of(c, c) + TINY) : 1;
-  c = (triple){c.x * again, c.y * again, c.z * again};
-  x *= again;
-  y *= again;
-  spread *= again;
-  const real safe = maximum(spread, R(1e-6));
-  const int flat = !(spread > R(1e-12));
-  m.from = c;
-  m.along = (pair){flat ? 1 : x / (spread + TINY), flat ? 0 : y / (spread + TINY)};
-  m.nu = maximum(height_over(r, c) / safe, R(-2.5));
-  const real area = safe * normal_visible(m.nu);
-  m.per_area = R(0.039788735772973833942) / (m.first * m.last * area); /* 1/(8 pi) */
+  m.from = (triple){c.x * again, c.y * again, c.z * again};
+  const standing at = standing_of(r, m);
+  m.per_area = R(0.039788735772973833942) /* 1/(8 pi) */ /
+               (m.first * m.last * (at.spread * normal_visible(at.nu)));
   return m;
 }
 
@@ -296,7 +304,8 @@ LEAF facet facet_of(const bsdf *b, triple n, triple wo, real weight) {
 static __attribute__((noinline)) void prepare_mutual(const bsdf *b, triple n, triple wo,
                                                      mutual *m) {
   const SUFFIX(bsdf_numbers) *own = numbers_of(b);
-  m->map = relief_of(own->slopes);
+  m->map =
+      relief_of(own->slopes[0], own->slopes[1], own->slopes[2], own->slopes[3], own->slopes[4]);
   const sides s = sides_of(m->map, n, wo);
   m->above = s.above;
   m->facet[0] = facet_of(b, n, wo, s.share);
@@ -380,9 +389,10 @@ static real shown_slope(real nu, real u) {
 
 /* A direction by what is met next. */
 LEAF drawn draw_next(relief r, next_lobe m, real u1, real u2) {
-  const real along = shown_slope(m.nu, u1), across = R(1.4142135623730950488) * slope_of(u2, 1, 0);
-  const real x = along * m.along.x - across * m.along.y;
-  const real y = along * m.along.y + across * m.along.x;
+  const standing at = standing_of(r, m);
+  const real along = shown_slope(at.nu, u1), across = R(1.4142135623730950488) * slope_of(u2, 1, 0);
+  const real x = along * at.along.x - across * at.along.y;
+  const real y = along * at.along.y + across * at.along.x;
   const triple h = {-(r.x + m.first * x), -(r.y + m.low * x + m.last * y), 1};
   drawn d = reflected(m.from, h);
   if (height_over(r, d.w) < 0)
