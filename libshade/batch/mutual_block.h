@@ -128,7 +128,12 @@ static void pass_kept_back(const bsdf *b, const sample_block *s, const side_room
 #undef LOOP
     return;
   }
-#define LOOP(brdf) pass_kept(SHADE_MDF_GGX, brdf, b, s, side->weight, n, x, y, m)
+  /* of distributions the others ask for the tails only */
+#define LOOP(brdf)                                                                                 \
+  if (shade_mdf_is(b->mdf).tails)                                                                  \
+    pass_kept(SHADE_MDF_GGX, brdf, b, s, side->weight, n, x, y, m);                                \
+  else                                                                                             \
+    pass_kept(SHADE_MDF_BECKMANN, brdf, b, s, side->weight, n, x, y, m)
   SHADE_LOOP_OF_BRDF(b->brdf)
 #undef LOOP
 }

@@ -170,7 +170,7 @@ LEAF real facet_variance(int exponents, real k) {
 }
 
 /* A side in its frame: the axes, whose z is its normal, and the eye in them; its roots of own; for
- * microfacet 1 + 2 Lambda of the eye, and 1 over the sum of what it sees of four facets. */
+ * microfacet 1 + 2 Lambda of the eye, and 1 over the sum of what it sees of eight facets. */
 typedef struct posed {
   axes along;
   triple n, eye;
@@ -191,7 +191,7 @@ LEAF kept_back kept_by(kept_back sum, shade_mdf mdf, shade_brdf brdf, int projec
     g = up * p.per_seen * (1 + p.lo) / (li + p.lo);
   } else {
     const real hwo = up * per;
-    const real per_density = R(0.25) * 4 * hwo * (projected ? size : 1);
+    const real per_density = R(0.5) * hwo * (projected ? size : 1);
     g = brdf_value(brdf, 1, (angles){hwo, l.z, o.z, 0, 0}) * l.z * per_density;
   }
   g = (l.z > 0) & (o.z > 0) & (up > 0) ? share * g : 0;
@@ -201,26 +201,42 @@ LEAF kept_back kept_by(kept_back sum, shade_mdf mdf, shade_brdf brdf, int projec
   return kept_more(sum, r, above, w, g);
 }
 
+/* How far facets are off a side, in roots of `own`: four along the axes, and four between them,
+ * that stand for either half of all slopes. Gaussian ones: their mean square is exact. */
+LEAF real inner_facet(shade_mdf mdf) {
+  return mdf == SHADE_MDF_GGX ? R(0.57735026918962576451) : R(0.54772255750516611346);
+}
+LEAF real outer_facet(shade_mdf mdf) {
+  return mdf == SHADE_MDF_GGX ? R(1.2247448713915890491) : R(0.92195444572928873100);
+}
+
 /*
- * By four facets of a side, whose slopes are off its own by the root of `own` along one axis: exact
- * for what is cubic in slopes that are Gaussian. All of D is in where they lie: each counts as f
- * cos over the density of its draw, of visible normals for microfacet.
+ * By eight facets of a side. All of D is in where they lie: each counts as f cos over the density
+ * of its draw, of visible normals for microfacet.
  */
 LEAF kept_back kept_of(kept_back sum, shade_mdf mdf, shade_brdf brdf, int projected, relief r,
                        real above, axes along, triple n, triple wo, pair own, real share) {
   const triple o = {dot_of(along.x, wo), dot_of(along.y, wo), dot_of(n, wo)};
-  const real x = root(own.x), y = root(own.y), tx = x * o.x, ty = y * o.y;
+  const real x = root(own.x), y = root(own.y), inner = inner_facet(mdf), outer = outer_facet(mdf);
+  const real ix = inner * x, iy = inner * y, ox = outer * x, oy = outer * y;
   posed p = {along, n, o, x, y, 0, 0};
   if (brdf == SHADE_BRDF_MICROFACET) {
-    const real seen =
-        maximum(o.z + tx, 0) + maximum(o.z - tx, 0) + maximum(o.z + ty, 0) + maximum(o.z - ty, 0);
+    const real tx = x * o.x, ty = y * o.y, a = outer * (tx + ty), b = outer * (tx - ty);
+    real seen = maximum(o.z + inner * tx, 0) + maximum(o.z - inner * tx, 0);
+    seen += maximum(o.z + inner * ty, 0) + maximum(o.z - inner * ty, 0);
+    seen += maximum(o.z + a, 0) + maximum(o.z - a, 0);
+    seen += maximum(o.z + b, 0) + maximum(o.z - b, 0);
     p.lo = smith_value(mdf, (tx * tx + ty * ty) / maximum(o.z * o.z, TINY));
     p.per_seen = 1 / maximum(seen, TINY);
   }
-  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, x, 0);
-  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, -x, 0);
-  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, 0, y);
-  return kept_by(sum, mdf, brdf, projected, r, above, p, share, 0, -y);
+  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, ix, 0);
+  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, -ix, 0);
+  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, 0, iy);
+  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, 0, -iy);
+  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, ox, oy);
+  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, -ox, oy);
+  sum = kept_by(sum, mdf, brdf, projected, r, above, p, share, ox, -oy);
+  return kept_by(sum, mdf, brdf, projected, r, above, p, share, -ox, -oy);
 }
 
 /* The frame of those facets: as the lobe is drawn in, a rigid one. */

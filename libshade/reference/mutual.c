@@ -112,7 +112,8 @@ static real smith(const shade_params *p, const real v[2], vec w) {
   return slope2 > 0 ? erfl(a) + expl(-a * a) / (a * sqrtl(pi)) : 1;
 }
 
-/* By four facets of each side, whose slopes are off its own along one axis. */
+/* By eight facets of each side, whose slopes are off its own: four along the axes, and four between
+ * them. */
 static kept_back kept_back_of(const bumps *b) {
   const shade_params *p = b->p;
   const int microfacet = ref_brdf_of(p) == SHADE_BRDF_MICROFACET;
@@ -126,21 +127,30 @@ static kept_back kept_back_of(const bumps *b) {
     const side *s = &b->side[k];
     if (s->share <= 0 || dot(s->n, b->wo) <= 0)
       continue;
-    const vec to[4] = {
-        {sqrtl(v[0]), 0, 1}, {-sqrtl(v[0]), 0, 1}, {0, sqrtl(v[1]), 1}, {0, -sqrtl(v[1]), 1}};
+    const real inner = sqrtl(p->mdf == SHADE_MDF_GGX ? 1 / 3.0L : 0.3L);
+    const real outer = sqrtl((p->mdf == SHADE_MDF_GGX ? 3 : 1.7L) / 2);
+    vec to[8];
+    for (int i = 0; i < 8; i++) {
+      const real sign = i & 1 ? -1 : 1, other = i & 2 ? -1 : 1;
+      to[i] = i < 4 ? (vec){i & 2 ? 0 : sign * inner, i & 2 ? sign * inner : 0, 1}
+                    : (vec){sign * outer, other * outer, 1};
+      to[i].x *= sqrtl(v[0]);
+      to[i].y *= sqrtl(v[1]);
+    }
     const vec o = ref_carried_by(detail, p, s->lobe_n, b->wo);
     const vec x = ref_carried_by(detail, p, s->lobe_n, (vec){1, 0, 0});
     const vec y = ref_carried_by(detail, p, s->lobe_n, (vec){0, 1, 0});
     const vec z = ref_carried_by(detail, p, s->lobe_n, (vec){0, 0, 1});
     real seen = 0;
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 8; i++)
       seen += fmaxl(dot(to[i], o), 0);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 8; i++) {
       const vec h = unit(to[i]), l = mirrored(o, h);
       const vec wi = {dot(x, l), dot(y, l), dot(z, l)};
       if (dot(h, o) <= 0 || l.z <= 0)
         continue;
-      real g = ref_brdf(p, s->n, wi, b->wo, l.z, o.z, 1) * l.z * dot(h, o) / (projected ? h.z : 1);
+      real g = ref_brdf(p, s->n, wi, b->wo, l.z, o.z, 1) * l.z * 4 * dot(h, o) / 8 /
+               (projected ? h.z : 1);
       if (microfacet) {
         const real lo = smith(p, v, o);
         g = dot(to[i], o) / seen * (1 + lo) / (smith(p, v, l) + lo);

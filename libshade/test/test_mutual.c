@@ -140,7 +140,7 @@ static void nodes(void **state) {
     assert_true(all >= 0 && all < 0.9);
     total += all / POINTS;
   }
-  print_message("four facets of each side: off by %.3f in the mean, %.3f at most\n", mean, most);
+  print_message("eight facets of each side: off by %.3f in the mean, %.3f at most\n", mean, most);
   assert_true(total > 0.05 && mean <= 0.035 && most <= 0.12);
 }
 
