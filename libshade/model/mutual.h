@@ -164,9 +164,9 @@ LEAF kept_back kept_more(kept_back sum, relief r, real above, triple w, real g) 
                      multiply_add(back, w.y, sum.y), multiply_add(back, w.z, sum.z)};
 }
 
-/* Twice a facet's own covariance of slopes, of one axis. */
+/* Twice a facet's own covariance of slopes, of one axis; at most that of alpha 2. */
 LEAF real facet_variance(int exponents, real k) {
-  return (exponents ? 2 : R(1.0)) / maximum(k, R(0.02));
+  return minimum((exponents ? 2 : R(1.0)) / maximum(k, R(1e-3)), 4);
 }
 
 /* A side in its frame: the axes, whose z is its normal, and the eye in them; its roots of own; for
@@ -202,12 +202,13 @@ LEAF kept_back kept_by(kept_back sum, shade_mdf mdf, shade_brdf brdf, int projec
 }
 
 /* How far facets are off a side, in roots of `own`: four along the axes, and four between them,
- * that stand for either half of all slopes. Gaussian ones: their mean square is exact. */
+ * that stand for either half of all slopes. Of Gaussian ones the mean square is exact; GGX's outer
+ * half is where what is kept back comes out right at alpha .4. */
 LEAF real inner_facet(shade_mdf mdf) {
   return mdf == SHADE_MDF_GGX ? R(0.57735026918962576451) : R(0.54772255750516611346);
 }
 LEAF real outer_facet(shade_mdf mdf) {
-  return mdf == SHADE_MDF_GGX ? R(1.2247448713915890491) : R(0.92195444572928873100);
+  return mdf == SHADE_MDF_GGX ? R(1.6431676725154983403) : R(0.92195444572928873100);
 }
 
 /*

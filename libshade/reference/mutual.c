@@ -90,12 +90,11 @@ static real side_density(const bumps *b, const side *s, vec wi) {
   return ref_lobe_density(b->p, s->lobe_n, wi, b->wo);
 }
 
-/* Twice the covariance of a facet's own slopes, along x and y. */
+/* Twice the covariance of a facet's own slopes, along x and y; at most that of alpha 2. */
 static void own_variance(const shade_params *p, real v[2]) {
-  const real most = sqrtl(50); /* of half the covariance */
   const int exponents = p->mdf == SHADE_MDF_ASHIKHMIN_SHIRLEY;
-  v[0] = exponents ? 2 / within(p->ex, 0.02L, 1e6L) : square(within(p->ax, 1e-4L, most));
-  v[1] = exponents ? 2 / within(p->ey, 0.02L, 1e6L) : square(within(p->ay, 1e-4L, most));
+  v[0] = exponents ? 2 / within(p->ex, 0.5L, 1e6L) : square(within(p->ax, 1e-4L, 2));
+  v[1] = exponents ? 2 / within(p->ey, 0.5L, 1e6L) : square(within(p->ay, 1e-4L, 2));
 }
 
 /* What is kept back of the light, of all that is reflected; its direction. */
@@ -128,7 +127,7 @@ static kept_back kept_back_of(const bumps *b) {
     if (s->share <= 0 || dot(s->n, b->wo) <= 0)
       continue;
     const real inner = sqrtl(p->mdf == SHADE_MDF_GGX ? 1 / 3.0L : 0.3L);
-    const real outer = sqrtl((p->mdf == SHADE_MDF_GGX ? 3 : 1.7L) / 2);
+    const real outer = sqrtl((p->mdf == SHADE_MDF_GGX ? 5.4L : 1.7L) / 2);
     vec to[8];
     for (int i = 0; i < 8; i++) {
       const real sign = i & 1 ? -1 : 1, other = i & 2 ? -1 : 1;
