@@ -3,7 +3,7 @@
 #ifndef SHADE_BATCH_BSDF_BATCH_H
 #define SHADE_BATCH_BSDF_BATCH_H
 
-#include "horizon_block.h"
+#include "paths_block.h"
 
 static unsigned entry_mdf_batch(const shade_bsdf *given, size_t count, const real *nx,
                                 const real *ny, const real *nz, const real *hx, const real *hy,

@@ -156,21 +156,4 @@ static void add_mirrored(const bsdf *b, const sample_block *s, draw_room *m, rea
   }
 }
 
-/* Bumps that shade each other: mutual_block.h. */
-static unsigned bumps_density_block(const bsdf *b, const sample_block *s, draw_room *m,
-                                    real *restrict pdf);
-
-/* density_block for any horizon; 0 for opposite directions, as f is. */
-static unsigned density_of_paths(const bsdf *b, const sample_block *s, draw_room *m,
-                                 real *restrict pdf) {
-  unsigned status = s->bumps ? bumps_density_block(b, s, m, pdf) : density_block(b, s, m, pdf);
-  if (shade_horizon_is(b->horizon).facets)
-    add_mirrored(b, s, m, pdf);
-  if (status)
-    for (size_t i = 0; i < s->count; i++)
-      if (opposite(s->wi.x[i], s->wi.y[i], s->wi.z[i], s->wo.x[i], s->wo.y[i], s->wo.z[i]))
-        pdf[i] = 0;
-  return status;
-}
-
 #endif

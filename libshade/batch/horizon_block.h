@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The choices of SHADE_TABLE_HORIZON, around the evaluation of `hard`: n bent before it,
- * a factor after it, or three of it.
+ * What the choices of SHADE_TABLE_HORIZON do around the evaluation of `hard`: n bent before it, a
+ * factor after it, or three of it.
  */
 #ifndef SHADE_BATCH_HORIZON_BLOCK_H
 #define SHADE_BATCH_HORIZON_BLOCK_H
@@ -105,9 +105,6 @@ static unsigned facets_block(const bsdf *b, const sample_block *s, const results
   return status;
 }
 
-/* Bumps that shade each other: mutual_block.h. */
-static unsigned bumps_block(const bsdf *b, const sample_block *s, const results *out);
-
 /*
  * No bumps here, so that all choices are `hard` (to a rounding for two facets, which are left
  * alone): flat surfaces are not to pay for the others.
@@ -120,33 +117,6 @@ static int is_flat(const bsdf *b, size_t count, const real *nx, const real *ny) 
   for (size_t i = 0; i < count; i++)
     bumps |= (nx[i] != 0) | (ny[i] != 0);
   return !bumps;
-}
-
-/* f and the cosine by the material's horizon. Directions are mended. */
-static unsigned shade_block(const bsdf *b, const sample_block *s, const results *out) {
-  const shade_horizon_traits is = shade_horizon_is(b->horizon);
-  const size_t size = s->count;
-  if (is.mutual)
-    return s->bumps ? bumps_block(b, s, out) : hard_block(b, s, out);
-  if (b->horizon == SHADE_HORIZON_HARD || is_flat(b, size, s->n.x, s->n.y))
-    return hard_block(b, s, out);
-  if (is.facets)
-    return facets_block(b, s, out);
-  vec_room bent;
-  sample_block about = *s;
-  if (is.bends) {
-    pass_bend(size, s->n, s->wo, &bent);
-    about.n = vec_in(&bent);
-  }
-  const unsigned status = hard_block(b, &about, out);
-  if (is.fade != SHADE_FADE_NOT) {
-    real *factor = bent.x; /* n is shaded with */
-    (is.fade == SHADE_FADE_CHIANG ? pass_shadow_chiang : pass_shadow_estevez)(size, s->n, s->wi,
-                                                                              factor);
-    for (int c = 0; c < 3; c++)
-      pass_multiply(size, factor, out->rgb[c]);
-  }
-  return status;
 }
 
 #endif

@@ -238,7 +238,7 @@ static void pass_meet(size_t count, vec wi, vec wo, const mutual_room *m, real *
     const int lit = (through > 0) & (wiz[i] > 0) & (woz[i] > 0);
     const real per = 1 / maximum(wiz[i], R(1e-20));
     once[i] = lit ? through * once[i] * per : 0;
-    twice[i] = lit & (m->pick[i] > 0) ? next * per : 0;
+    twice[i] = (lit & (m->pick[i] > 0)) ? next * per : 0;
   }
 }
 
@@ -405,8 +405,8 @@ static void pass_lose(size_t count, const mutual_room *m, vec n, const real *res
 #pragma omp simd
   for (size_t i = 0; i < count; i++) {
     const triple w = {wx[i], wy[i], wz[i]};
-    const int over = (dot_of(AT(n), w) > 0) & (height_over(RELIEF, w) > 0);
-    lost[i] = over & (own[i] + other[i] > 0) ? lost[i] : 1;
+    const real cosine = dot_of(AT(n), w), height = height_over(RELIEF, w);
+    lost[i] = minimum(minimum(cosine, height), own[i] + other[i]) > 0 ? lost[i] : 1;
   }
 }
 

@@ -8,7 +8,7 @@
 #ifndef SHADE_BATCH_SAMPLE_BATCH_H
 #define SHADE_BATCH_SAMPLE_BATCH_H
 
-#include "mutual_block.h"
+#include "paths_block.h"
 
 /* The normal that a block's lobe is about: bent for the eye. */
 LEAF void bend_block(const bsdf *b, sample_block *s, vec_room *bent) {

@@ -194,7 +194,8 @@ LEAF kept_back kept_by(kept_back sum, shade_mdf mdf, shade_brdf brdf, int projec
     const real per_density = R(0.5) * hwo * (projected ? size : 1);
     g = brdf_value(brdf, 1, (angles){hwo, l.z, o.z, 0, 0}) * l.z * per_density;
   }
-  g = (l.z > 0) & (o.z > 0) & (up > 0) ? share * g : 0;
+  const int lit = (l.z > 0) & (o.z > 0) & (up > 0);
+  g = lit ? share * g : 0;
   const triple w = {l.x * p.along.x.x + l.y * p.along.y.x + l.z * p.n.x,
                     l.x * p.along.x.y + l.y * p.along.y.y + l.z * p.n.y,
                     l.x * p.along.x.z + l.y * p.along.y.z + l.z * p.n.z};

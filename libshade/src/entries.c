@@ -6,7 +6,8 @@
  * entry.h is what the library calls.
  *
  *   f    bsdf_batch.h: blocks; direction_block.h: directions mended; varied_block.h: parameters
- *        of each sample; horizon_block.h: the choice of horizon, around bsdf_block.h: `hard`
+ *        of each sample; paths_block.h: the choice of horizon, by horizon_block.h and
+ *        mutual_block.h around bsdf_block.h: `hard`
  *   draw sample_batch.h, draw_block.h, frame_block.h, density_block.h, over model/draw.h
  *   one sample: model/single.h, f and draws; of cloth: batch/cloth_one.h
  *

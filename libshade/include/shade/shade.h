@@ -386,8 +386,8 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  *   show wo in the mean. The rest is the other side of the bump, whose slope is mirrored along wo.
  *   Both are masked by Smith's (1 + Lo)/(1 + Lo + Li) of the second moment. What that keeps back is
  *   found by eight facets of each side, off it by their own covariance of slopes, and comes back by
- *   another bump, with F^2: F twice, its mean over the hemisphere. n = z is not `hard`. The cosine is
- *   wi.z. The diffuse part is that of `valid_estevez`. It is not reciprocal.
+ *   another bump, with F^2: F twice, its mean over the hemisphere. n = z is not `hard`. The cosine
+ *   is wi.z. The diffuse part is that of `valid_estevez`. It is not reciprocal.
  *
  * f includes the diffuse part kd Phi/(pi cos). Its fibres run along the groove axis of the frame
  * that `rotate` makes of n, whatever the detail method is (for `none`, n = z). Phi of the fibre
