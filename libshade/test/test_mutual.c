@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* COST = 1.2 */
+/* COST = 1.0 */
 /*
  * Bumps that shade and light each other (horizon mutual): the reference, draws, a white furnace,
  * the limits of no slopes, parameters of each sample, senseless input.
@@ -133,7 +133,7 @@ static void nodes(void **state) {
     p.slopes[2] = p.slopes[4] = 0.25;
     normal_of(0.5 * gauss(&seed), 0.5 * gauss(&seed), n);
     spherical((15 + 60 * uniform(&seed)) * PI / 180, 2 * PI * uniform(&seed), wo);
-    const double all = shade_ref_kept_back(&p, n, wo, 200);
+    const double all = shade_ref_kept_back(&p, n, wo, 100);
     const double off = fabs(shade_ref_kept_back(&p, n, wo, 0) - all);
     mean += off / POINTS;
     most = fmax(most, off);

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-COST = 4.0
+COST = 3.8
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -7,7 +7,7 @@ import pytest
 
 from scenes import dot, normalise, scene
 
-COST = 2.6
+COST = 2.2
 
 ABOVE = """#version 3.7; global_settings { assumed_gamma 1 } #declare mdf_Defaults = 1;
 camera { orthographic location 10*y right 8*x up 6*z direction -y }

@@ -9,7 +9,7 @@ import pytest
 
 from scenes import HEADER, SUN, saddle, scene
 
-COST = 20.8
+COST = 14
 
 WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, multiscatter, tangent, "
          "specular, roughness, bump_image, reflection, preset, fabric, scratches, notes, slopes or }")
