@@ -147,11 +147,11 @@ def test_files_of_others_are_rendered_at_one_size(monkeypatch, engine, was, size
     render = Anything(resolution_x=was[0], resolution_y=was[1], image_settings=Anything(media_type="VIDEO"), threads_mode="AUTO", **dict.fromkeys(flags, True))
     scene = Anything(render=render, libshade=Anything(samples=1, seed=1), cycles=Anything(samples=1, seed=1))
     script = of_blender("real_files_render", monkeypatch, context=Anything(scene=scene), app=Anything(version=(5, 0)))
-    settings = script["set_render"]({"engine": engine, "size": size, "threads": 3})
+    settings = script["set_render"]({"engine": engine, "size": size, "threads": 3, "grooves": False})
     assert settings is (scene.libshade if engine == "LIBSHADE" else scene.cycles)
     assert (render.resolution_x, render.resolution_y) == now and render.engine == engine and not any(getattr(render, flag) for flag in flags)
     assert (render.threads_mode, render.threads, render.use_single_layer) == ("FIXED", 3, True)
     assert vars(render.image_settings) == {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_mode": "RGBA", "color_depth": "32"}
     render.threads_mode = "AUTO"
-    script["set_render"]({"engine": engine, "size": size, "threads": 0})
+    script["set_render"]({"engine": engine, "size": size, "threads": 0, "grooves": True})
     assert render.threads_mode == "AUTO"

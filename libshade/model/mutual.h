@@ -280,6 +280,9 @@ LEAF next_lobe next_of(relief r, pair own, triple mean) {
   m.last = root(grooves + (x0 * ey + (y0 * ex + ex * ey))) / m.first;
   const real size = 1 / root(dot_of(mean, mean) + TINY);
   triple c = {-mean.x * size, -mean.y * size, -mean.z * size};
+  const int sheer = c.x * c.x + c.y * c.y < R(1e-12); /* no azimuth: that of x */
+  c.x = sheer ? R(1e-6) : c.x;
+  c.y = sheer ? 0 : c.y;
   const real x = m.first * c.x + m.low * c.y, y = m.last * c.y;
   const real least = r.x * c.x + r.y * c.y - R(2.5) * root(x * x + y * y);
   const int under = c.z < least; /* so far below nothing shows */

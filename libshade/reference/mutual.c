@@ -170,6 +170,10 @@ typedef struct next {
 static next next_of(const bumps *b, kept_back kept) {
   const shade_params *p = b->p;
   next m = {unit(scale(kept.mean, -1)), b->xx, b->xy, b->yy, 0};
+  if (square(m.from.x) + square(m.from.y) < 1e-12L) { /* no azimuth: that of x */
+    m.from.x = 1e-6L;
+    m.from.y = 0;
+  }
   real v[2];
   own_variance(p, v);
   m.xx += v[0];

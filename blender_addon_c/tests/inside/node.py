@@ -648,6 +648,8 @@ def test_read_as_set():
         ours = [p for p in owner.bl_rna.properties if p.identifier in type(owner).__annotations__]
         assert len(ours) == len(type(owner).__annotations__)
         for p in ours:
+            if p.is_readonly:
+                continue
             value = another(p)
             setattr(owner, p.identifier, value)
             told = getattr(owner, p.identifier)
