@@ -203,8 +203,9 @@ LEAF kept_back kept_by(kept_back sum, shade_mdf mdf, shade_brdf brdf, int projec
 }
 
 /* How far facets are off a side, in roots of `own`: four along the axes, and four between them,
- * that stand for either half of all slopes. Of Gaussian ones the mean square is exact; GGX's outer
- * half is where what is kept back comes out right at alpha .4. */
+ * that stand for either half of all slopes. Of Gaussian ones the mean square is exact. GGX has
+ * none: its outer half is where compare/steep_bumps.py comes out nearest, a little beyond where
+ * what is kept back is right at alpha .4. */
 LEAF real inner_facet(shade_mdf mdf) {
   return mdf == SHADE_MDF_GGX ? R(0.57735026918962576451) : R(0.54772255750516611346);
 }

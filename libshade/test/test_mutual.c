@@ -117,7 +117,7 @@ static void against_reference(void **state) {
   assert_true(worst[0][1] <= 1e-4 && worst[1][1] <= 1e-4);
 }
 
-/* What eight nodes find of the light that is kept back, against two thousand. */
+/* What eight facets of each side find of the light that is kept back, against an integral. */
 static void nodes(void **state) {
   (void)state;
   uint64_t seed = 32;
@@ -232,6 +232,45 @@ static void furnace(void **state) {
     print_message("furnace, slope %g: mean %.3f, least %.3f, most %.3f\n", slope, mean, least,
                   most);
     assert_true(mean >= 0.98 && most <= 1.08);
+  }
+}
+
+/* A flat facet seen from right above: what is kept back has no azimuth, and is no brighter for it.
+ */
+static void right_above(void **state) {
+  (void)state;
+  const double z[3] = {0, 0, 1};
+  const float zf[3] = {0, 0, 1};
+  for (int mdf = 0; mdf < SHADE_MDF_COUNT; mdf++) {
+    shade_params p;
+    shade_params_init(&p);
+    p.mdf = (shade_mdf)mdf;
+    p.brdf = SHADE_BRDF_AUTO;
+    p.horizon = SHADE_HORIZON_MUTUAL;
+    p.fresnel = SHADE_FRESNEL_NONE;
+    const double alpha = mdf == SHADE_MDF_GGX ? 0.3 : 0.6;
+    shade_params_set_alphas(&p, alpha, alpha);
+    p.slopes[2] = p.slopes[4] = 0.5;
+    const shade_bsdf b = made(&p);
+    enum { STEPS = 32 };
+    double white = 0;
+    assert_true(shade_ref_kept_back(&p, z, z, 0) > 0.01);
+    for (int k = 0; k < 2 * STEPS * STEPS; k++) {
+      const double height = (k / (2 * STEPS) + 0.5) / STEPS;
+      double wi[3], f[3], cosine, want[3];
+      float wf[3], ff[3], cosinef;
+      spherical(acos(height), PI * (k % (2 * STEPS) + 0.5) / STEPS, wi);
+      for (int c = 0; c < 3; c++)
+        wf[c] = (float)wi[c];
+      shade_bsdf_eval(&b, z, wi, z, f, &cosine);
+      shade_bsdf_evalf(&b, zf, wf, zf, ff, &cosinef);
+      shade_ref_f(&p, z, wi, z, want, &cosine);
+      assert_near(f[0], want[0], 1e-11 * (want[0] + 1e-3));
+      assert_near((double)ff[0], want[0], 1e-4 * (want[0] + 1e-3));
+      white += f[0] * cosine * PI / (STEPS * STEPS);
+    }
+    print_message("right above, %s: %.3f\n", shade_list_word(SHADE_LIST_MDF, mdf), white);
+    assert_true(white > 0 && white <= 1.08);
   }
 }
 
@@ -439,9 +478,14 @@ static void hostile(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(against_reference), cmocka_unit_test(nodes),  cmocka_unit_test(draws),
-      cmocka_unit_test(furnace),           cmocka_unit_test(limits), cmocka_unit_test(each_sample),
+      cmocka_unit_test(against_reference),
+      cmocka_unit_test(nodes),
+      cmocka_unit_test(draws),
+      cmocka_unit_test(furnace),
+      cmocka_unit_test(limits),
+      cmocka_unit_test(each_sample),
       cmocka_unit_test(hostile),
+      cmocka_unit_test(right_above),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
