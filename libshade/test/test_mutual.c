@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* COST = 1.0 */
+/* COST = 1.1 */
 /*
  * Bumps that shade and light each other (horizon mutual): the reference, draws, a white furnace,
  * the limits of no slopes, parameters of each sample, senseless input.
