@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Open Image Denoise: Blender brings it from 4.x on; PyPI's pyoidn is taken where it is installed."""
 
+import contextlib
+import ctypes
 import functools
 import importlib.util
 import os
@@ -23,5 +25,8 @@ def _path():
     for folder in (found.submodule_search_locations or ()) if found else ():
         path = os.path.join(folder, "oidn", "lib", "libOpenImageDenoise.so.2")
         if os.path.exists(path):
+            # oneTBB would load hwloc so that it frees by libc what jemalloc gave, which Debian's Blender is linked to
+            with contextlib.suppress(OSError):
+                ctypes.CDLL("libhwloc.so.15")
             return path
     return ""

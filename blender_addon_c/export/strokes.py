@@ -13,6 +13,7 @@ from .value import dot, each, number_of
 _AXES = "XYZ"
 _STEPS = 36  # of a turn, where a texture turns them
 _APART = 7.3  # widths between what is seen by one step and by the next, so that they have nothing in common
+_LEANS = 0.2  # a cosine: where a face leans so far towards the axis, strokes would be cut short
 
 
 def worn(reader, node, groups, settings, parts):
@@ -33,7 +34,8 @@ def _share(reader, node, groups):
     detail = math("CLAMP", math("LOGARITHM", seen, 2.0), 0.0, metal_tree.OCTAVES)
 
     def noise(at):
-        return reader.program.emit("NOISE", 1, dimensions=3, what="FBM", even=False, first=False, at=[*at, 0.0], detail=[detail],
+        return reader.program.emit("NOISE", 1, dimensions=len(at), what="FBM", even=False, first=False,
+                                   at=[*at, 0.0][:4], detail=[detail],
                                    roughness=[metal_tree.UNEVEN], lacunarity=[2.0], offset=[0.0], gain=[1.0])[0]
 
     turns = number_of(reader, node.inputs["Rotation"], groups) if "Rotation" in node.inputs else 0.0
@@ -69,12 +71,12 @@ def _turned(reader, noise, turns, along, across, beside):
 
 
 def _place(reader, node, width):
-    """The point in the object in widths, from the grain's axis on, and whether the surface faces that axis, the next or the last."""
+    """The point in the object in widths, from the grain's axis on, the normal, its size, and whether it looks along that axis most."""
     math = reader.program.math
     reader.measures()
     in_object, at = of_object(reader, "METRES")[1], _AXES.index(node.grain[-1])
     place = each(reader, "MULTIPLY", of_object(reader, "POINT_INTO", position(reader)), (math("MULTIPLY", in_object, 1.0 / width),) * 3)
-    normal = of_object(reader, "NORMAL_INTO", reader.program.emit("GEOMETRY", what="TRUE_NORMAL"))
+    normal = of_object(reader, "NORMAL_INTO", reader.program.emit("GEOMETRY", what="NORMAL"))
     size = each(reader, "ABSOLUTE", normal)
     ends = math("GREATER_THAN", size[at], math("MAXIMUM", size[at - 1], size[at - 2]))  # faces along the axis
     turn = [(at + k) % 3 for k in range(3)]
@@ -88,18 +90,22 @@ def _in_map(reader, node, width):
 
 
 def _where(reader, node, width):
-    """Three numbers: along strokes, in their lengths, and across, in widths."""
+    """Three or four numbers: along strokes, in their lengths, and across, in widths."""
     math, kind = reader.program.math, node.grain.partition("_")[0]
     if kind == "UV":
         u, v = _in_map(reader, node, width)
         return math("MULTIPLY", u, 1.0 / metal_tree.LENGTHS), v, 0.0
-    (own, following, last), _normal, _size, ends = _place(reader, node, width)
+    (own, following, last), _normal, size, ends = _place(reader, node, width)
     if kind == "AXIS":  # where they look along it strokes lie along the next one, as the tangent does
-        along, across = math("MIX", own, following, ends), math("MIX", following, own, ends)
-        return math("MULTIPLY", along, 1.0 / metal_tree.LENGTHS), across, last
+        leans = math("GREATER_THAN", size[0], _LEANS)  # there as if seen from the side that the face looks to
+        beside = math("GREATER_THAN", size[1], size[2])
+        along = math("MIX", own, following, ends)
+        near = math("MIX", following, _APART, math("MULTIPLY", leans, math("MAXIMUM", beside, ends)))
+        far = math("MULTIPLY", leans, math("MULTIPLY", math("SUBTRACT", 1.0, beside), math("SUBTRACT", 1.0, ends)))
+        return math("MULTIPLY", along, 1.0 / metal_tree.LENGTHS), near, math("MIX", last, _APART, far)
     radius = math("SQRT", math("MULTIPLY_ADD", last, last, math("MULTIPLY", following, following)))
     turn = math("DIVIDE", metal_tree.A_TURN, math("MAXIMUM", radius, 1e-6))
-    return math("MIX", own, radius, ends), math("MULTIPLY", following, turn), math("MULTIPLY", last, turn)
+    return own, radius, math("MULTIPLY", following, turn), math("MULTIPLY", last, turn)
 
 
 def _plane(reader, node, width):

@@ -7,7 +7,7 @@ import sys
 
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "..", "..", "compare")]
@@ -371,8 +371,9 @@ def groove_in(tree):
 
 def turned_strokes(folder):
     """What the tool left, turned with the highlight: on a plate, by a map and by one that is mirrored, on a mirrored object, round the
-    middle, and by a texture that turns on from below to above."""
-    turned = {"axis": "AXIS_X", "map": "UV", "mirrored_map": "UV", "mirrored": "AXIS_X", "round": "RADIAL_Z", "textured": "AXIS_X"}
+    middle, and by a texture that turns on from below to above. Not turned on a face that leans towards the axis."""
+    turned = {"axis": "AXIS_X", "map": "UV", "mirrored_map": "UV", "mirrored": "AXIS_X", "round": "RADIAL_Z", "leaning": "AXIS_X",
+              "textured": "AXIS_X"}
     for engine, words in (("CYCLES", ("axis", "map")), ("LIBSHADE", turned)):
         scene = new_scene(engine)
         material, tree, node = common.metal("strokes")
@@ -387,6 +388,10 @@ def turned_strokes(folder):
                 corner.uv.x *= -1
             # to the right of the middle circles run along y
             scene.camera.location.x, scene.camera.data.ortho_scale = (0.7, 0.3) if word == "round" else (0, 1)
+            lean = Matrix.Rotation(0.6 if word == "leaning" else 0.0, 4, "Y")
+            shown.data.transform(lean)
+            shown.rotation_euler = lean.inverted().to_euler()
+            node.inputs["Rotation"].default_value = 0.0 if word == "leaning" else 0.1
             if word == "textured":
                 place, part, by = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "SeparateXYZ", "Math"))
                 by.operation, by.inputs[1].default_value, by.inputs[2].default_value = "MULTIPLY_ADD", 0.1, 0.1
@@ -394,6 +399,7 @@ def turned_strokes(folder):
                                        (by.outputs[0], node.inputs["Rotation"])):
                     tree.links.new(source, target)
             common.render(os.path.join(folder, f"{engine.lower()}_strokes_{word}.exr"))
+            shown.data.transform(lean.inverted())
 
 
 def operator():
