@@ -111,8 +111,8 @@ static real smith(const shade_params *p, const real v[2], vec w) {
   return slope2 > 0 ? erfl(a) + expl(-a * a) / (a * sqrtl(pi)) : 1;
 }
 
-/* By eight facets of each side, whose slopes are off its own: four along the axes, and four between
- * them. */
+/* By four facets of each side, whose slopes are off its own: two the way in which the height of
+ * what they reflect changes most, and two across it. */
 static kept_back kept_back_of(const bumps *b) {
   const shade_params *p = b->p;
   const int microfacet = ref_brdf_of(p) == SHADE_BRDF_MICROFACET;
@@ -126,30 +126,33 @@ static kept_back kept_back_of(const bumps *b) {
     const side *s = &b->side[k];
     if (s->share <= 0 || dot(s->n, b->wo) <= 0)
       continue;
-    const real inner = sqrtl(p->mdf == SHADE_MDF_GGX ? 1 / 3.0L : 0.3L);
-    const real outer = sqrtl((p->mdf == SHADE_MDF_GGX ? 5.4L : 1.7L) / 2);
-    vec to[8];
-    for (int i = 0; i < 8; i++) {
-      const real sign = i & 1 ? -1 : 1, other = i & 2 ? -1 : 1;
-      to[i] = i < 4 ? (vec){i & 2 ? 0 : sign * inner, i & 2 ? sign * inner : 0, 1}
-                    : (vec){sign * outer, other * outer, 1};
-      to[i].x *= sqrtl(v[0]);
-      to[i].y *= sqrtl(v[1]);
-    }
     const vec o = ref_carried_by(detail, p, s->lobe_n, b->wo);
     const vec x = ref_carried_by(detail, p, s->lobe_n, (vec){1, 0, 0});
     const vec y = ref_carried_by(detail, p, s->lobe_n, (vec){0, 1, 0});
     const vec z = ref_carried_by(detail, p, s->lobe_n, (vec){0, 0, 1});
+    const vec axis[3] = {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
+    const real up = height(b, axis[2]);
+    real gx = sqrtl(v[0]) * (up * o.x + o.z * height(b, axis[0]));
+    real gy = sqrtl(v[1]) * (up * o.y + o.z * height(b, axis[1]));
+    const real g = sqrtl(gx * gx + gy * gy);
+    gx = g > 1e-6L ? gx / g : 1;
+    gy = g > 1e-6L ? gy / g : 0;
+    const int tails = p->mdf == SHADE_MDF_GGX;
+    vec to[4];
     real seen = 0;
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < 4; i++) {
+      const real sign = i & 1 ? -1 : 1;
+      const real off = sign * (i < 2 ? (tails ? 1.4L : 0.97L) : (tails ? 0.5L : 0.62L));
+      to[i] =
+          (vec){off * sqrtl(v[0]) * (i < 2 ? gx : -gy), off * sqrtl(v[1]) * (i < 2 ? gy : gx), 1};
       seen += fmaxl(dot(to[i], o), 0);
-    for (int i = 0; i < 8; i++) {
+    }
+    for (int i = 0; i < 4; i++) {
       const vec h = unit(to[i]), l = mirrored(o, h);
       const vec wi = {dot(x, l), dot(y, l), dot(z, l)};
       if (dot(h, o) <= 0 || l.z <= 0)
         continue;
-      real g = ref_brdf(p, s->n, wi, b->wo, l.z, o.z, 1) * l.z * 4 * dot(h, o) / 8 /
-               (projected ? h.z : 1);
+      real g = ref_brdf(p, s->n, wi, b->wo, l.z, o.z, 1) * l.z * dot(h, o) / (projected ? h.z : 1);
       if (microfacet) {
         const real lo = smith(p, v, o);
         g = dot(to[i], o) / seen * (1 + lo) / (smith(p, v, l) + lo);

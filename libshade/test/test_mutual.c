@@ -117,7 +117,7 @@ static void against_reference(void **state) {
   assert_true(worst[0][1] <= 1e-4 && worst[1][1] <= 1e-4);
 }
 
-/* What eight facets of each side find of the light that is kept back, against an integral. */
+/* What four facets of each side find of the light that is kept back, against an integral. */
 static void nodes(void **state) {
   (void)state;
   uint64_t seed = 32;
@@ -140,7 +140,7 @@ static void nodes(void **state) {
     assert_true(all >= 0 && all < 0.9);
     total += all / POINTS;
   }
-  print_message("eight facets of each side: off by %.3f in the mean, %.3f at most\n", mean, most);
+  print_message("four facets of each side: off by %.3f in the mean, %.3f at most\n", mean, most);
   assert_true(total > 0.05 && mean <= 0.035 && most <= 0.12);
 }
 

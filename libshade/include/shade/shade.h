@@ -385,7 +385,7 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  *   is `hard`. Else a share of n, min(1, p/Ao), is shaded, p = n.wo/nz and Ao the area that bumps
  *   show wo in the mean. The rest is the other side of the bump, whose slope is mirrored along wo.
  *   Both are masked by Smith's (1 + Lo)/(1 + Lo + Li) of the second moment. What that keeps back is
- *   found by eight facets of each side, off it by their own covariance of slopes, and comes back by
+ *   found by four facets of each side, off it by their own covariance of slopes, and comes back by
  *   another bump, with F^2: F twice, its mean over the hemisphere. n = z is not `hard`. The cosine
  *   is wi.z. The diffuse part is that of `valid_estevez`. It is not reciprocal.
  *
