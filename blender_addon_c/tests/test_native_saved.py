@@ -13,7 +13,7 @@ import damaged
 from native_scenes import few, render, scene
 from shade_render import COMBINED, TOOL, assert_same, made, parts_of, put_parts, run, scene_file
 
-COST = 2.8
+COST = 4.5
 
 
 @pytest.fixture(scope="module")
@@ -114,3 +114,84 @@ def test_a_tile_knows_its_place(tmp_path, path):
     assert (spec.x, spec.y, spec.width, spec.height, spec.full_x, spec.full_y, spec.full_width, spec.full_height) == (20, 10, 9, 19, 0, 0, 40, 40)
     assert_same(whole, {letter: np.ascontiguousarray(expected[::-1, :, k]) for k, letter in enumerate("RGBA")})
     assert_same(tile, {name: np.ascontiguousarray(pixels[7:26, 17:26]) for name, pixels in whole.items()})
+
+
+def shared(folder, path, parts):
+    """The names of parts of its picture, each of words."""
+    names = [folder / f"{number}.shshare" for number in range(len(parts))]
+    for name, words in zip(names, parts):
+        done = run(path, "-o", name, *words)
+        assert done.returncode == 0 and not done.stderr, done.stderr
+    return names
+
+
+def many_passes(**changes):
+    """Whose colours divide light, whose names are ranked, and whose distances are those of the first sample."""
+    (description, passes), = damaged.whole_scenes()[0]
+    planes = "DEPTH", "NORMAL", "VECTOR", "DIFFUSE_DIRECT", "GLOSSY_DIRECT", "GLOSSY_COLOR", "SAMPLES", "MIST"
+    more = [(plane, "XYZ" if plane in ("NORMAL", "DIFFUSE_DIRECT", "GLOSSY_DIRECT", "GLOSSY_COLOR") else "X", plane, 2.0) for plane in planes]
+    return {**description, "width": 40, "height": 24, "planes": [{"type": plane} for plane in planes], **changes}, [COMBINED, *more, passes[-1]]
+
+
+def test_tiles_merged_are_the_picture(tmp_path):
+    """To the last bit, wherever they are cut; of blocks that have enough samples early, too."""
+    path = tmp_path / "s.shscene"
+    description, passes = many_passes(samples=20, region=(1, 2, 39, 24))
+    scene_file.write(path, "L", [(description, passes), (description, [("AO", "RGB", "", 1.0)])])
+    parts = shared(tmp_path, path, [("--tile", tile) for tile in ("1,0,20,13", "21,0,18,13", "1,13,7,9", "8,13,31,9")])
+    assert_same(made(tmp_path, path, "--merge", *parts), made(tmp_path, path))
+    assert set(made(tmp_path, path, "--merge", *parts, "--passes", "AO")) == {f"L.AO.{letter}" for letter in "RGB"}
+
+
+@pytest.mark.parametrize("cuts", [(0, 1, 3, 17, 20), (0, 10, 20), (0, 4, 16, 20)])
+def test_shares_merged_are_the_picture(tmp_path, cuts):
+    """But for rounding, however they are cut."""
+    path = tmp_path / "s.shscene"
+    scene_file.write(path, "L", [many_passes(samples=20, adaptive_threshold=0.0)])
+    parts = shared(tmp_path, path, [("--share", f"{first},{end}") for first, end in zip(cuts, cuts[1:])])
+    whole, found = made(tmp_path, path), made(tmp_path, path, "--merge", *parts[::-1])
+    assert set(found) == set(whole)
+    for name, pixels in whole.items():
+        assert np.allclose(found[name], pixels, rtol=3e-6, atol=3e-6), (name, np.abs(found[name] - pixels).max())
+
+
+def test_shares_of_cloth_are_cut_where_its_samples_are_not_shaded_together(tmp_path):
+    path = tmp_path / "s.shscene"
+    (description, passes), _ = damaged.whole_scenes()[2]
+    scene_file.write(path, "L", [(description | {"samples": 20}, passes)])
+    whole, found = made(tmp_path, path), made(tmp_path, path, "--merge", *shared(tmp_path, path, [("--share", "0,16"), ("--share", "16,20")]))
+    assert all(np.allclose(found[name], whole[name], rtol=3e-6, atol=3e-6) for name in whole)
+    done = run(path, "-o", tmp_path / "x.shshare", "--share", "0,8")
+    assert done.returncode == 1 and "must begin and end at 0, 4, 16" in done.stderr
+
+
+def test_shares_that_make_no_picture_are_told(tmp_path):
+    path, other = tmp_path / "s.shscene", tmp_path / "other.shscene"
+    scene_file.write(path, "L", [(scene(samples=20), [COMBINED])])
+    scene_file.write(other, "L", [(scene(samples=20, seed=2), [COMBINED])])
+    first, last, both = shared(tmp_path, path, [("--share", "0,8"), ("--share", "8,20"), ("--share", "4,12")])
+    elsewhere = tmp_path / "elsewhere.shshare"
+    assert run(path, "-o", elsewhere, "--share", "0,8", "--seed", "3").returncode == 0
+    broken = tmp_path / "broken.shshare"
+    broken.write_bytes(first.read_bytes()[:-8])
+    for words, said in (((first,), "shares are missing: these have 40 % of"), ((first, both, last), f"{first} and {both}: both have"),
+                        ((elsewhere, last), "its samples and seed must be those of the others"), ((broken, last), f"{broken}: it must end in the checksum"),
+                        ((path,), "no share of a picture"), ((tmp_path / "no", last), "no: No such file")):
+        done = run(path, "-o", tmp_path / "x.exr", "--merge", *words)
+        assert done.returncode == 1 and said in done.stderr, (words, done.stderr)
+    done = run(other, "-o", tmp_path / "x.exr", "--merge", first, last)
+    assert done.returncode == 1 and f"{first}: it is of another scene" in done.stderr
+    for changes, words, said in (({"adaptive_threshold": 0.1}, ("--share", "0,8"), "adaptive sampling goes by all samples"),
+                                 ({"time_limit": 9.0}, (), "it has a Time Limit"), ({}, ("--share", "8,21"), "within the 20 samples")):
+        scene_file.write(other, "L", [(scene(samples=20, **changes), [COMBINED])])
+        done = run(other, "-o", tmp_path / "x.shshare", *words)
+        assert done.returncode == 1 and said in done.stderr, done.stderr
+    assert not (tmp_path / "x.exr").exists() and not (tmp_path / "x.shshare").exists()
+
+
+@pytest.mark.parametrize("words, said", [
+    (("--share", "0,4", "-o", "x.exr"), "--share expects -o FILE.shshare"), (("--share", "4,4", "-o", "x.shshare"), "'4"),
+    (("--merge", "-o", "x.exr"), "--merge expects one FILE.shshare"), (("-o", "x.shshare", "--passes", "Combined"), "a share has all passes")])
+def test_what_is_wrong_with_a_call_for_shares_is_told(path, words, said):
+    done = run(path, *words)
+    assert done.returncode == 2 and said in done.stderr, done.stderr

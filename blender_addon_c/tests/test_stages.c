@@ -1575,7 +1575,7 @@ static void shuffled_points(void **state) {
   (void)state;
   enum { POINTS = BATCH, BITS = 10, SIDE = 16, PURPOSES = 3 };
   sampling_plan plan;
-  assert_true(sampling_init(&plan, POINTS, BATCH, FILTER_BLACKMAN_HARRIS, 0.0f));
+  assert_true(sampling_init(&plan, POINTS, NULL, BATCH, FILTER_BLACKMAN_HARRIS, 0.0f));
   static uint32_t number[POINTS]; /* as the passes give them, one after the other */
   uint32_t *next = number;
   for (const sampling *pass = plan.pass; pass < plan.pass + plan.passes; next += pass++->period)

@@ -11,13 +11,16 @@
 #include "image/image.h"
 #include "render/job.h"
 #include "scene_file.h"
+#include "share.h"
 #include "stage/stage.h"
 #include "tool/parse.h"
 #include "tool/tool.h"
 #include "tool/work.h"
 
 static const char HELP[] =
-    "usage: shade-render SCENE -o FILE.exr [options]\n\n"
+    "usage: shade-render SCENE -o FILE.exr [options]\n"
+    "       shade-render SCENE -o FILE.shshare [--tile X,Y,W,H] [--share A,B] [options]\n"
+    "       shade-render SCENE --merge FILE.shshare... -o FILE.exr [options]\n\n"
     "Renders what Blender saved by Save Scene for libshade: the same pixels, without Blender.\n\n"
     "  -o, --output FILE.exr  the picture and its passes, named as in Blender's multilayer files\n"
     "  --samples N            of a pixel, instead of the scene's\n"
@@ -25,6 +28,11 @@ static const char HELP[] =
     "  --threads N            1 to 256; else the scene's, or one a processor\n"
     "  --tile X,Y,W,H         this part alone, from the left and the top: a file that knows its "
     "place\n"
+    "  --share A,B            of each pixel's samples, numbered from 0, those from A to B - 1\n"
+    "                         alone, as sums that --merge adds up: FILE.shshare\n"
+    "  --merge                the picture whose tiles and shares are named behind the scene, as "
+    "if\n"
+    "                         rendered at once; denoised then, if the scene is\n"
     "  --passes A,B           these alone; without: all that the scene has\n"
     "  --progress             how far it is, every two seconds, also where no terminal is\n"
     "  --help, --version\n\n"
@@ -32,8 +40,10 @@ static const char HELP[] =
 
 typedef struct options {
   const char *scene, *output, *passes;
-  long samples, seed, threads, tile[4];
-  bool has_seed, has_tile, progress;
+  char **shares; /* of --merge */
+  size_t share_count;
+  long samples, seed, threads, tile[4], share[2];
+  bool has_seed, has_tile, has_share, merge, progress, to_share;
 } options;
 
 __attribute__((format(printf, 1, 2))) static int complain(const char *format, ...) {
@@ -46,27 +56,56 @@ __attribute__((format(printf, 1, 2))) static int complain(const char *format, ..
   return TOOL_BAD_INPUT;
 }
 
-static bool parse_tile(char *text, long tile[4]) {
-  for (int k = 0; k < 4; k++) {
+/* Whole numbers; those from `positive` on are at least 1. */
+static bool parse_list(char *text, int count, int positive, long *value) {
+  for (int k = 0; k < count; k++) {
     char *comma = strchr(text, ',');
-    if (!comma != (k == 3))
+    if (!comma != (k == count - 1))
       return false;
     if (comma)
       *comma = 0;
-    if (!tool_parse_whole(text, k < 2 ? 0 : 1, SHADE_IMAGE_MAX_SIDE, &tile[k]))
+    if (!tool_parse_whole(text, k < positive ? 0 : 1, SHADE_IMAGE_MAX_SIDE, &value[k]))
       return false;
     text = comma ? comma + 1 : text;
   }
   return true;
 }
 
+static bool ends_with(const char *text, const char *end) {
+  return strlen(text) > strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;
+}
+
+/* What is not among the options: the scene, and shares where these are merged. */
+static int parse_names(int argc, char **argv, options *o) {
+  const char *wrong = NULL;
+  o->to_share = o->output && ends_with(o->output, ".shshare");
+  o->share_count = o->merge && argc > optind ? (size_t)(argc - optind - 1) : 0;
+  o->shares = argv + optind + 1;
+  if (argc - optind != 1 + (int)o->share_count || !o->output ||
+      (!o->to_share && shade_image_format_of(o->output) != SHADE_IMAGE_EXR))
+    wrong = "one scene and -o FILE.exr are expected";
+  else if (o->merge && (!o->share_count || o->has_tile || o->has_share || o->to_share ||
+                        o->samples || o->has_seed))
+    wrong = "--merge expects one FILE.shshare or more, and takes samples and seed from these";
+  else if (o->has_share && !o->to_share)
+    wrong = "--share expects -o FILE.shshare";
+  else if (o->to_share && o->passes)
+    wrong = "a share has all passes: --passes goes with --merge";
+  if (!wrong) {
+    o->scene = argv[optind];
+    return TOOL_DONE;
+  }
+  fprintf(stderr, "shade-render: %s; see --help\n", wrong);
+  return TOOL_BAD_USAGE;
+}
+
 /* TOOL_DONE where there is something to render, and -1 where all is said. */
 static int parse(int argc, char **argv, options *o) {
-  static const struct option words[] = {{"output", 1, 0, 'o'},   {"samples", 1, 0, 'n'},
-                                        {"seed", 1, 0, 's'},     {"threads", 1, 0, 't'},
-                                        {"tile", 1, 0, 'r'},     {"passes", 1, 0, 'p'},
-                                        {"progress", 0, 0, 'v'}, {"help", 0, 0, 'h'},
-                                        {"version", 0, 0, 'V'},  {0}};
+  static const struct option words[] = {
+      {"output", 1, 0, 'o'},   {"samples", 1, 0, 'n'}, {"seed", 1, 0, 's'},
+      {"threads", 1, 0, 't'},  {"tile", 1, 0, 'r'},    {"passes", 1, 0, 'p'},
+      {"progress", 0, 0, 'v'}, {"help", 0, 0, 'h'},    {"version", 0, 0, 'V'},
+      {"share", 1, 0, 'k'},    {"merge", 0, 0, 'm'},   {0}};
   for (int word; (word = getopt_long(argc, argv, "o:h", words, NULL)) != -1;) {
     bool good = true;
     switch (word) {
@@ -83,7 +122,13 @@ static int parse(int argc, char **argv, options *o) {
       good = tool_parse_whole(optarg, 1, TOOL_MAX_THREADS, &o->threads);
       break;
     case 'r':
-      o->has_tile = good = parse_tile(optarg, o->tile);
+      o->has_tile = good = parse_list(optarg, 4, 2, o->tile);
+      break;
+    case 'k':
+      o->has_share = good = parse_list(optarg, 2, 1, o->share) && o->share[0] < o->share[1];
+      break;
+    case 'm':
+      o->merge = true;
       break;
     case 'p':
       o->passes = optarg;
@@ -105,12 +150,7 @@ static int parse(int argc, char **argv, options *o) {
       return TOOL_BAD_USAGE;
     }
   }
-  if (optind == argc - 1 && o->output && shade_image_format_of(o->output) == SHADE_IMAGE_EXR) {
-    o->scene = argv[optind];
-    return TOOL_DONE;
-  }
-  fputs("shade-render: one scene and -o FILE.exr are expected; see --help\n", stderr);
-  return TOOL_BAD_USAGE;
+  return parse_names(argc, argv, o);
 }
 
 /* Is the pass among those of --passes? */
@@ -228,6 +268,11 @@ static void apply(const options *o, const sheet *to, scene *s) {
     s->seed = (uint32_t)o->seed;
   if (o->threads)
     s->threads = (int)o->threads;
+  if (o->has_share) {
+    s->share[0] = (size_t)o->share[0];
+    s->share[1] = (size_t)o->share[1];
+  }
+  s->features.denoise = s->features.denoise && !o->to_share;
   for (int k = 0; k < 2; k++) {
     int low = to->region[k] / TILE_SIDE * TILE_SIDE;
     int high = (to->region[k + 2] + TILE_SIDE - 1) / TILE_SIDE * TILE_SIDE;
@@ -251,10 +296,20 @@ static bool place(const options *o, const scene *s, sheet *to) {
          to->region[2] <= s->region[2] && to->region[3] <= s->region[3];
 }
 
+/* Where the pictures come from, and where else than a sheet they go: NULL where not. */
+typedef struct shares {
+  share_set *from;
+  share_writer *to;
+} shares;
+
+static int put_share(share_writer *w, const render *r, const sheet *to) {
+  char error[512];
+  return share_put(w, r, to->region, error, sizeof error) ? TOOL_DONE : complain("%s", error);
+}
+
 static int render_picture(const options *o, scene_picture *p, double begin, double share,
-                          size_t *at, sheet *to) {
-  apply(o, to, p->scene);
-  job *j = job_start(p->scene); /* which frees it */
+                          const shares *by, size_t *at, sheet *to) {
+  job *j = job_start_filled(p->scene, by->from ? share_fill : NULL, by->from); /* which frees it */
   p->scene = NULL;
   if (!j)
     return complain("%s: out of memory or threads", o->scene);
@@ -262,7 +317,7 @@ static int render_picture(const options *o, scene_picture *p, double begin, doub
   if (status == TOOL_DONE)
     status = await(o, j, begin, share);
   if (status == TOOL_DONE)
-    status = put_passes(o, p, &j->render, at, to);
+    status = by->to ? put_share(by->to, &j->render, to) : put_passes(o, p, &j->render, at, to);
   job_free(j);
   return status;
 }
@@ -275,16 +330,77 @@ static bool has_wanted(const options *o, const scene_picture *p) {
 }
 
 /* All pictures, into a sheet whose channels have names. */
-static int render_all(const options *o, scene_file *f, sheet *to) {
+static int render_pictures(const options *o, scene_file *f, const shares *by, sheet *to) {
   size_t at = 0;
   int status = TOOL_DONE;
   double share = 1.0 / (double)f->pictures;
+  for (size_t k = 0; status == TOOL_DONE && k < f->pictures; k++) {
+    if (by->from)
+      by->from->picture = k;
+    if (has_wanted(o, &f->picture[k]))
+      status = render_picture(o, &f->picture[k], share * (double)k, share, by, &at, to);
+  }
+  return status;
+}
+
+static int render_all(const options *o, scene_file *f, sheet *to) {
+  share_set set = {.count = 0};
+  const shares by = {.from = o->merge ? &set : NULL};
+  char error[512];
   to->pixel = malloc(to->channels * to->width * to->height * sizeof(float));
   if (!to->pixel)
     return complain("%s: out of memory", o->scene);
-  for (size_t k = 0; status == TOOL_DONE && k < f->pictures; k++)
-    if (has_wanted(o, &f->picture[k]))
-      status = render_picture(o, &f->picture[k], share * (double)k, share, &at, to);
+  int status = TOOL_DONE;
+  if (o->merge &&
+      !share_open(&set, (const char *const *)o->shares, o->share_count, f, error, sizeof error))
+    status = complain("%s", error);
+  if (status == TOOL_DONE)
+    status = render_pictures(o, f, &by, to);
+  share_close(&set);
+  return status;
+}
+
+/* Whether a part of the picture can be told from the rest; else the reason is said. */
+static int check_share(const options *o, const scene_file *f) {
+  for (size_t k = 0; k < f->pictures; k++) {
+    const scene *s = f->picture[k].scene;
+    const size_t samples = (size_t)s->samples;
+    if (s->time_limit > 0.0f)
+      return complain(
+          "%s: it has a Time Limit, by which parts would have samples of other numbers; "
+          "save it without",
+          o->scene);
+    if (!o->has_share)
+      continue;
+    if ((size_t)o->share[1] > samples)
+      return complain("--share must be within the %zu samples of a pixel", samples);
+    if (s->adaptive_threshold > 0.0f)
+      return complain("%s: adaptive sampling goes by all samples of a pixel, so that there are no "
+                      "shares of them; save it with a fixed number, or render tiles",
+                      o->scene);
+    if (s->cloths && !(sampling_is_cut(samples, (size_t)o->share[0]) &&
+                       sampling_is_cut(samples, (size_t)o->share[1])))
+      return complain("%s: it has cloth, whose samples are shaded together: --share must begin and "
+                      "end at 0, 4, 16, a multiple of 64 or the last sample",
+                      o->scene);
+  }
+  return TOOL_DONE;
+}
+
+static int save_share(const options *o, scene_file *f, sheet *to) {
+  char error[512];
+  share_writer writer;
+  const shares by = {.to = &writer};
+  int status = check_share(o, f);
+  if (status != TOOL_DONE)
+    return status;
+  bool good = share_begin(&writer, o->output, f, to->region, error, sizeof error);
+  if (!good)
+    status = complain("%s", error);
+  else
+    status = render_pictures(o, f, &by, to);
+  if (!share_end(&writer, status == TOOL_DONE, error, sizeof error) && status == TOOL_DONE)
+    status = complain("%s", error);
   return status;
 }
 
@@ -339,8 +455,10 @@ static int render_file(const options *o, scene_file *f) {
     status = complain("%s: none of these passes is in the scene", o->scene);
   else if (status == TOOL_DONE && !place(o, s, &to))
     status = complain("--tile must be within what the scene shows of its picture");
-  else if (status == TOOL_DONE)
-    status = save(o, s, f, &to);
+  for (size_t k = 0; status == TOOL_DONE && k < f->pictures; k++)
+    apply(o, &to, f->picture[k].scene);
+  if (status == TOOL_DONE)
+    status = o->to_share ? save_share(o, f, &to) : save(o, s, f, &to);
   while (to.channels)
     free(to.name[--to.channels]);
   free(to.pixel);

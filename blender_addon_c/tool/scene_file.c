@@ -132,6 +132,7 @@ bool scene_file_read(scene_file *f, const void *data, size_t size) {
     return fail(f, "no saved scene: \"shscene\" must be its first line");
   memcpy(words, bytes + strlen(MAGIC), sizeof words);
   size_t length = words[0];
+  f->checksum = words[1];
   if (length > size - PREAMBLE || (PREAMBLE + length) % ALIGNMENT)
     return fail(f, "its header must end in the file, at a multiple of 64");
   if (!has_checksum(bytes + PREAMBLE, length, words[1]))

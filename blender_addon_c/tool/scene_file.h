@@ -19,6 +19,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "scene/scene.h"
 
@@ -40,6 +41,7 @@ typedef struct scene_text {
 } scene_text;
 
 typedef struct scene_file {
+  uint32_t checksum; /* of the header, which has those of all arrays */
   size_t texts;
   scene_text *text;
   size_t pictures; /* all as large, of the same region; at least one */

@@ -479,7 +479,7 @@ static void shade(worker *w, const camera_view *view, int bounce, size_t phase) 
   if (s->features.object_motion)
     motion_shadows(w);
   draw_terms(w, bounce, phase);
-  b->input.beside = bounce == 0 && !w->observer && w->sampling->period >= MANY;
+  b->input.beside = bounce == 0 && !w->observer && w->sampling->whole >= MANY;
   hits_nodes(w);
   zero(&b->sum, b->queue.hits);
   w->later = bounce > 0;

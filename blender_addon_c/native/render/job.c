@@ -90,7 +90,8 @@ static bool render_dump(job *j) {
 
 static bool run(job *j) {
   scene *s = j->scene;
-  if (!scene_build(s, &j->cancel, &j->log, &j->times) || !render_picture(j))
+  if (j->fill ? !j->fill(j->context, &j->render)
+              : !scene_build(s, &j->cancel, &j->log, &j->times) || !render_picture(j))
     return false;
   if (j->render.status & SHADE_BAD_INPUT)
     message_warn(&j->log, "some samples had no valid direction or normal and are black");
@@ -125,6 +126,10 @@ static void release(job *j) {
 }
 
 job *job_start(scene *s) {
+  return job_start_filled(s, NULL, NULL);
+}
+
+job *job_start_filled(scene *s, job_fill *fill, void *context) {
   memory_restart();
   job *j = calloc(1, sizeof *j);
   if (!j) {
@@ -132,6 +137,8 @@ job *job_start(scene *s) {
     return NULL;
   }
   j->scene = s;
+  j->fill = fill;
+  j->context = context;
   message_init(&j->log);
   char wrong[160];
   s->stages = stages_choose();
@@ -160,7 +167,8 @@ job *job_start(scene *s) {
   if (s->mattes)
     j->render.matte = calloc(pixels + 1, j->render.mattes.all * sizeof(float));
   if (!j->render.sum || (s->planes && !j->render.numbers) || (s->mattes && !j->render.matte) ||
-      !sampling_init(&j->samples, (size_t)s->samples, BATCH, s->filter, s->filter_width) ||
+      !sampling_init(&j->samples, (size_t)s->samples, s->share[1] ? s->share : NULL, BATCH,
+                     s->filter, s->filter_width) ||
       !render_prepare(&j->render) ||
       (s->adaptive_threshold > 0.0f &&
        !adaptive_init(&j->render.adaptive, j->render.tiles, pixels)) ||

@@ -93,10 +93,19 @@ static uint32_t *reversed_points(uint32_t mask) {
   return reverse;
 }
 
-bool sampling_init(sampling_plan *s, size_t samples, size_t run, filter_type filter, float width) {
-  *s = (sampling_plan){.samples = samples};
-  for (size_t first = 0; first < samples; first += pass_length(first, samples))
-    s->passes++;
+bool sampling_is_cut(size_t samples, size_t at) {
+  size_t first = 0;
+  while (first < at)
+    first += pass_length(first, samples);
+  return first == at;
+}
+
+bool sampling_init(sampling_plan *s, size_t samples, const size_t share[2], size_t run,
+                   filter_type filter, float width) {
+  const size_t begin = share ? share[0] : 0, end = share ? share[1] : samples;
+  *s = (sampling_plan){.samples = samples, .first = begin};
+  for (size_t first = 0; first < end; first += pass_length(first, samples))
+    s->passes += first + pass_length(first, samples) > begin;
   uint32_t mask = 0;
   while (mask < samples - 1)
     mask = 2 * mask + 1;
@@ -110,21 +119,27 @@ bool sampling_init(sampling_plan *s, size_t samples, size_t run, filter_type fil
       return false;
     fill_warp(s->warp, filter, (double)width);
   }
-  size_t first = 0;
-  for (sampling *p = s->pass; p < s->pass + s->passes; first += p++->period) {
-    *p = (sampling){.period = pass_length(first, samples),
+  size_t first = 0, length;
+  while ((length = pass_length(first, samples)), first + length <= begin)
+    first += length;
+  for (sampling *p = s->pass; p < s->pass + s->passes; p++) {
+    const size_t low = first > begin ? first : begin;
+    length = pass_length(first, samples);
+    first += length;
+    *p = (sampling){.period = (first < end ? first : end) - low,
+                    .whole = length,
                     .reverse = s->reverse,
                     .mask = mask,
                     .scramble = UINT32_MAX,
                     .warp = s->warp};
-    if (!pass_init(p, first, run))
+    if (!pass_init(p, low, run))
       return false;
   }
   return true;
 }
 
 bool sampling_init_center(sampling_plan *s, size_t run) {
-  if (!sampling_init(s, 1, run, FILTER_BLACKMAN_HARRIS, 0.0f))
+  if (!sampling_init(s, 1, NULL, run, FILTER_BLACKMAN_HARRIS, 0.0f))
     return false;
   s->pass->scramble = 0;
   for (int d = 0; d < SAMPLING_DIMENSIONS; d++)

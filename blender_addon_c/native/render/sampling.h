@@ -19,6 +19,7 @@ enum { SAMPLING_DIMENSIONS = 4 };
 /* The samples that a pixel gets in one pass over the picture. */
 typedef struct sampling {
   size_t period;                        /* how many */
+  size_t whole;                         /* how many they are in the plan of all samples */
   uint32_t *point[SAMPLING_DIMENSIONS]; /* repeated, so that any run of a batch is contiguous */
   /* what the passes share */
   const uint32_t *reverse; /* by number: dimension 1, bits reversed, of mask + 1 points */
@@ -32,17 +33,23 @@ typedef struct sampling {
  * after every 64. The passes depend on the number of samples alone, and so do the bytes of sums.
  */
 typedef struct sampling_plan {
-  size_t samples, passes;
+  size_t samples; /* of the picture, of which this may be a share: */
+  size_t first;   /* from this one on */
+  size_t passes;
   sampling *pass;
   uint32_t *reverse;
   float *warp;
 } sampling_plan;
 
 /*
- * `samples` points a pixel, for runs of at most `run` lanes. width 0: box of one pixel, else the
- * filter's full width in pixels. False when out of memory.
+ * `samples` points a pixel, of them those from share[0] to below share[1] (NULL: all), for runs of
+ * at most `run` lanes. width 0: box of one pixel, else the filter's full width in pixels. False
+ * when out of memory.
  */
-bool sampling_init(sampling_plan *s, size_t samples, size_t run, filter_type filter, float width);
+bool sampling_init(sampling_plan *s, size_t samples, const size_t share[2], size_t run,
+                   filter_type filter, float width);
+/* Whether a pass begins or ends there. */
+bool sampling_is_cut(size_t samples, size_t at);
 
 /* One sample in the middle of everything, unscrambled. */
 bool sampling_init_center(sampling_plan *s, size_t run);

@@ -193,7 +193,7 @@ static void work(void *context, size_t number) {
       if (atomic_load_explicit(&r->done[tile], memory_order_acquire) < pass)
         break;
       w.sampling = &r->plan->pass[pass];
-      w.first_pass = pass == 0;
+      w.first_pass = pass == 0 && r->plan->first == 0;
       texture_relieve(&r->scene->textures, TEXTURE_RESIDENT);
       render_tile(r, &w, tile);
     }
@@ -233,7 +233,10 @@ bool render_run(render *r) {
 }
 
 double render_progress(const render *r) {
-  size_t all = r->tiles * r->plan->samples;
+  size_t samples = 0;
+  for (size_t k = 0; k < r->plan->passes; k++)
+    samples += r->plan->pass[k].period;
+  size_t all = r->tiles * samples;
   return all ? (double)atomic_load(&r->finished) / (double)all : 1.0;
 }
 

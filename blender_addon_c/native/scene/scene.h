@@ -91,6 +91,7 @@ typedef struct scene {
   int width, height;
   int region[4]; /* x0 y0 x1 y1, y up */
   int samples;
+  size_t share[2]; /* of them, where that is not 0: those from the first to below the second */
   uint32_t seed;
   int threads;
   float clear_alpha;   /* of glass that a transparent film is seen through */
