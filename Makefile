@@ -6,6 +6,7 @@
 #   make blender   the add-on: build/libshade-blender.zip
 #   make render    build/shade-render, which renders scenes that Blender saved, without Blender
 #   make release   the add-on for every Linux with glibc 2.28 or later: build/release/libshade-blender.zip
+#   make farm      build/libshade-farm, which spreads frames, tiles and shares over machines
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make povray-package  it as a package for Debian, beside Debian's own, and as an archive that runs from any folder
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all
@@ -44,6 +45,7 @@ include libshade/libshade.mk
 include blender_addon_c/blender.mk
 include povray_patches/povray.mk
 include compare/compare.mk
+include farm/farm.mk
 
 # Packages, POV-Ray, the add-on and the library with its C tests at once, then pytest: its closing line is the result.
 # What goes to which worker, and when, is in conftest.py. `--durations` says what tests took, setup/timed.sh what
@@ -80,7 +82,7 @@ supported:
 # warnings are errors: a page that nothing leads to, a link that leads nowhere. It shows what --help prints, and asks the Python module
 .PHONY: manual
 manual: $(MANUAL)/index.html
-$(MANUAL)/index.html: $(VENV_MANUAL)/done $(shell find docs -type f) $(SHADE_HELP) $(B)/$(SHADE_SHARED) \
+$(MANUAL)/index.html: $(VENV_MANUAL)/done $(shell find docs -type f) $(SHADE_HELP) $(B)/help/farm.txt $(B)/$(SHADE_SHARED) \
   $(wildcard $(L)/python/shade/*.py $(L)/include/shade/*.h examples/*.jpg examples/nodes/*.png)
 	$(call say,manual   ,$@)
 	$(Q)rm -rf $(B)/manual

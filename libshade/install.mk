@@ -66,9 +66,9 @@ PYTHON_MODULE := $(wildcard $(L)/python/shade/*.py) $(L)/python/shade/py.typed
 # beside it: where the library is, seen from there, so that both can be moved together
 PYTHON_PLACE := library.txt
 INSTALLED_PYTHON = $(addprefix $(PYTHONDIR)/shade/,$(notdir $(PYTHON_MODULE)) $(PYTHON_PLACE))
-# where `make render` made it
-RENDER_TOOL = $(wildcard $(B)/shade-render)
-INSTALLED_FILES = $(BINDIR)/shade $(BINDIR)/shade-render $(INSTALLED_MODULE) $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
+# where `make render` and `make farm` made them
+RENDER_TOOL = $(wildcard $(B)/shade-render $(B)/libshade-farm)
+INSTALLED_FILES = $(BINDIR)/shade $(BINDIR)/shade-render $(BINDIR)/libshade-farm $(INSTALLED_MODULE) $(LIBDIR)/libshade.a $(LIBDIR)/$(SHADE_SHARED) \
   $(LIBDIR)/$(SHADE_SONAME) $(LIBDIR)/libshade.so $(PKGCONFIGDIR)/libshade.pc $(CMAKE_PACKAGE:%=$(CMAKEDIR)/%) \
   $(INSTALLED_HEADERS:$(L)/include/%=$(INCLUDEDIR)/%) \
   $(MAN1:$(B)/man/%=$(MANDIR)/man1/%) $(MAN3:$(B)/man/%=$(MANDIR)/man3/%) \

@@ -19,7 +19,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-FOLDERS = ("libshade/test", "blender_addon_c/tests", "povray_patches/tests", "compare/tests")
+FOLDERS = ("libshade/test", "blender_addon_c/tests", "povray_patches/tests", "compare/tests", "farm/tests")
 
 
 @functools.cache

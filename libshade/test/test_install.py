@@ -42,7 +42,7 @@ def expected(lib, man="share/man"):
     short = version().rsplit(".", 1)[0]
     return ({"bin/shade", "libexec/shade/shade_image_oiio.so", f"{lib}/pkgconfig/libshade.pc"}
             | {f"{lib}/cmake/libshade/libshadeConfig{end}.cmake" for end in ("", "Version")}
-            | ({"bin/shade-render"} if (ROOT / "build/shade-render").exists() else set())
+            | {f"bin/{name}" for name in ("shade-render", "libshade-farm") if (ROOT / "build" / name).exists()}
             | {f"{lib}/libshade.{end}" for end in ("a", "so", f"so.{short}", f"so.{version()}")}
             | {f"include/shade/{header.name}" for header in HEADERS}
             | {f"lib/python3/dist-packages/shade/{name}"
