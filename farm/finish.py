@@ -43,7 +43,7 @@ def merge(job):
         list(pool.map(lambda both: one(*both), ready))
     for number in sorted(missing):
         told = files.read_json(job.path("failed", f"{number}.json"), {})
-        wrong.append(f"{job.name_of(number)}: {told.get('message', 'it ended without a word')}; on {told.get('host', 'an unknown machine')}, log {job.log(number)}")
+        wrong.append(f"{job.name_of(number)}: {told.get('message', 'it never began')}; on {told.get('host', 'no machine')}, log {job.log(number)}")
     if not wrong:
         for name in os.listdir(job.path("work")):
             shutil.rmtree(job.path("work", name), ignore_errors=True)
@@ -91,6 +91,8 @@ def after(folder, round_, engine):
     """The dependent job: what is missing is submitted again, until it was tried three times."""
     job = jobs.Job(folder)
     missing = job.missing()
+    for number in missing:
+        item.note_ended(job, number)
     if missing and round_ + 1 < ROUNDS and not job.is_cancelled():
         print(f"{len(missing)} of {len(job.items)} items failed; they are tried again")
         try:

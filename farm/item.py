@@ -156,6 +156,15 @@ def failed(job, number, log, text):
         pass  # a full disk: it is missing all the same
 
 
+def note_ended(job, number):
+    """Of an item that no longer runs and is not whole: where it ran, unless it has said itself why it failed."""
+    ran = files.read_json(job.path("running", number))
+    if ran:
+        told = {"host": ran["host"], "message": "it was killed, or its machine failed", "log": job.log(number), "time": time.time()}
+        files.write_json(job.path("failed", f"{number}.json"), told)
+        files.remove(job.path("running", number))
+
+
 def is_part(item):
     return bool(item.get("tile") or item.get("share"))
 

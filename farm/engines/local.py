@@ -48,6 +48,7 @@ class _Run:
                 ended = self.ended
             if child.returncode and not ended:
                 if child.returncode < 0:
+                    files.remove(self.job.path("running", number))
                     item.failed(self.job, number, None, f"its process was ended by {signal.Signals(-child.returncode).name}")
                 else:
                     print(said.strip(), file=sys.stderr)

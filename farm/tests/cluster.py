@@ -47,6 +47,8 @@ SchedulerType=sched/backfill
 SchedulerParameters=batch_sched_delay=0,sched_interval=1,sched_min_interval=0,bf_interval=1,default_queue_depth=1000
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
+# two arrays of 64 items
+MaxArraySize=41
 MinJobAge=600
 KillWait=2
 ReturnToService=2
@@ -120,7 +122,7 @@ class Cluster:
         self.environment = {**os.environ, "PATH": PATH, "SLURM_CONF": str(self.conf)}
 
     def run(self, *words, check=True):
-        return subprocess.run(words, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=check, timeout=60).stdout
+        return subprocess.run(words, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", check=check, timeout=60).stdout
 
     def _daemon(self, *words):
         with open(self.folder / "log/start.out", "ab") as out:
@@ -163,6 +165,18 @@ class Cluster:
             except OSError:
                 pass
         return found
+
+    def steps(self, node):
+        """Those that run jobs on a node: their slurmstepd."""
+        return [pid for pid, words in self.processes().items() if words.startswith("slurmstepd:") and f"/{node}/" in self._open_files(pid)]
+
+    @staticmethod
+    def _open_files(pid):
+        found = []
+        for one in pathlib.Path(f"/proc/{pid}/fd").glob("*"):
+            with contextlib.suppress(OSError):
+                found.append(os.readlink(one))
+        return " ".join(found).replace(".log", "/")
 
     def stop(self):
         """All of it, jobs too; twice does no harm."""
