@@ -38,11 +38,13 @@ def beside(path):
 
 def examine(said):
     scene = bpy.context.scene
+    editor = scene.sequence_editor
+    strips = editor and (getattr(editor, "strips_all", None) or getattr(editor, "sequences_all", None))  # older ones' name
     with open(said["place"], "w", encoding="utf-8") as file:
         json.dump({"inputs": paths(), "frames": [scene.frame_start, scene.frame_end, scene.frame_step], "frame": scene.frame_current,
                    "rate": scene.render.fps / scene.render.fps_base, "engine": scene.render.engine,
                    "composites": bool(scene.render.use_compositing and (scene.use_nodes or getattr(scene, "compositing_node_group", None))),
-                   "sequences": bool(scene.render.use_sequencer and scene.sequence_editor and scene.sequence_editor.sequences_all)}, file)
+                   "sequences": bool(scene.render.use_sequencer and strips)}, file)
 
 
 def render(said):

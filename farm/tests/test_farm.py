@@ -53,6 +53,7 @@ STUB = """#!/bin/sh
 # stands for shade-render: writes its words, slowly where that is asked for; fails as often as the file `fails` has lines
 scene=$1
 echo started >>{0}/started
+[ ! -e {0}/says ] || cat {0}/says >&2
 while [ -e {0}/wait ]; do sleep 0.05; done
 for word in "$@"; do
   [ -z "$output" ] || {{ file=$word; output=; }}
@@ -163,6 +164,16 @@ def test_inputs_are_those_that_were_submitted(saved, stub, tmp_path):
     farm("resume", tmp_path / "packed")
     own.unlink()
     assert f"{own}: an input is not there" in farm("resume", tmp_path / "there", status=1)
+
+
+def test_instruction_sets_are_held_to_one(saved, stub, tmp_path):
+    """And a machine that lacks it takes no other."""
+    alone = tmp_path / "alone.exr"
+    subprocess.run([RENDER, saved, "-o", alone], env={**os.environ, "LIBSHADE_ISA": "scalar"}, check=True)
+    farm("submit", saved, "--isa", "scalar", "-o", tmp_path / "a")
+    assert (pixels(tmp_path / f"a/frames/{NAME}.exr")[1] == pixels(alone)[1]).all()
+    (tmp_path / "says").write_text("shade-render: warning: LIBSHADE_ISA 'avx512': this CPU has scalar, sse2; sse2 is used\n")
+    assert "this machine has no avx512, to which items are held" in farm("submit", saved, "--isa", "avx512", "--program", stub, "-o", tmp_path / "b", status=1)
 
 
 def test_dry_run_begins_nothing(saved, tmp_path):
