@@ -2,7 +2,6 @@
 # The renderer of the Blender engine: a Python module in C with its own copies of Embree, TBB and
 # OpenEXRCore beside it. Needs python3-dev, libembree-dev, libopenexr-dev, patchelf.
 N := blender_addon_c/native
-COMMA := ,
 NATIVE := $(B)/blender/native
 NATIVE_SO := $(NATIVE)/_native.abi3.so
 NATIVE_PYTHON := /usr/bin/python3
@@ -28,7 +27,7 @@ BLENDER_NATIVE := $(patsubst $(NATIVE)/%,$(BLENDER_ADDON)/%,$(NATIVE_SO) $(NATIV
 RENDER := $(B)/shade-render
 RENDER_OWN := $(patsubst blender_addon_c/tool/%.c,$(NATIVE)/obj/tool/%.o,$(wildcard blender_addon_c/tool/*.c))
 RENDER_OBJ := $(RENDER_OWN) $(filter-out $(NATIVE)/obj/python/%,$(NATIVE_OBJ)) \
-  $(IMAGE_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(O)/tool/work.o $(B)/libshade_dump.a $(B)/libshade.a
+  $(IMAGE_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(O)/tool/work.o $(PORT_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 
 .PHONY: native render native-sanitized native-warnings soak-native soak-damaged
 native: $(NATIVE_SO) $(NATIVE_LIBS) $(NATIVE)/test_stages $(RENDER)

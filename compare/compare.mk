@@ -31,17 +31,17 @@ $(DEMO)/agreed: $(DEMO)/suzanne.blend $(RENDERERS) $(COMPARE)
 	@touch $@
 
 # choices of horizon against displaced bumps: a program of its own, no renderer
-$(B)/horizon: compare/horizon.c $(B)/libshade.a $(O)/dump/whole.o
+$(B)/horizon: compare/horizon.c $(O)/dump/whole.o $(B)/libshade.a
 	$(call say,compile  ,$@)
 	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $^ -lm -o $@
 
 # displaced surfaces beside the same bumps as normals, for study_truth.py: likewise
-$(B)/displaced: $(wildcard compare/displaced/*.c compare/displaced/*.h) $(B)/libshade.a $(O)/dump/whole.o
+$(B)/displaced: $(wildcard compare/displaced/*.c compare/displaced/*.h) $(O)/dump/whole.o $(B)/libshade.a
 	$(call say,compile  ,$@)
 	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $(filter-out %.h,$^) -lm -o $@
 
 # the brightness of displaced bumps with all their reflections, for steep_bumps.py: likewise
-$(B)/bumps: $(wildcard compare/bumps/*.c compare/bumps/*.h) $(B)/libshade.a $(O)/dump/whole.o
+$(B)/bumps: $(wildcard compare/bumps/*.c compare/bumps/*.h) $(O)/dump/whole.o $(B)/libshade.a
 	$(call say,compile  ,$@)
 	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(CFLAGS) $(filter-out %.h,$^) -lm -o $@
 

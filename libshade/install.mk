@@ -19,19 +19,29 @@ PYTHON_LOOKS = import site, sys; \
 PYTHONDIR ?= $(or $(shell $(PYTHON3) -c '$(PYTHON_LOOKS)' $(PREFIX) 2>/dev/null),$(PREFIX)/lib/python3/dist-packages)
 
 SHADE_VERSION := $(shell sed -n 's/^.define SHADE_VERSION "\(.*\)"/\1/p' $(L)/include/shade/shade.h)
-SHADE_SHARED := libshade.so.$(SHADE_VERSION)
 # what callers hold in their memory may still change with a minor release: until 1.0 each of them
 # is an interface of its own
-SHADE_SONAME := libshade.so.$(basename $(SHADE_VERSION))
+SHADE_SONAME := $(if $(TARGET_IS_WINDOWS),libshade-$(basename $(SHADE_VERSION)).dll,libshade.so.$(basename $(SHADE_VERSION)))
+SHADE_SHARED := $(if $(TARGET_IS_WINDOWS),$(SHADE_SONAME),libshade.so.$(SHADE_VERSION))
 
 # Its symbols carry the interface they are of: a program says what it was linked with.
 $(B)/libshade.map: $(L)/include/shade/shade.h
 	@mkdir -p $(@D)
 	@echo 'LIBSHADE_$(basename $(SHADE_VERSION)) { global: shade_*; local: *; };' >$@
+ifneq ($(TARGET_IS_WINDOWS),)
+# Windows has no versions of symbols: the names that the headers declare, which are all that a caller sees
+$(B)/libshade.def: $(L)/port/exports.awk $(wildcard $(L)/include/shade/*.h)
+	@mkdir -p $(@D)
+	$(Q)awk -f $^ >$@
+$(B)/$(SHADE_SHARED): $(SHADE_OBJ) $(B)/libshade.def
+	$(call say,link     ,$@)
+	$(Q)$(CC) -shared -static -Wl,--no-insert-timestamp,--out-implib=$(B)/libshade.dll.a $(CFLAGS) $(LDFLAGS) $^ -lm -o $@
+else
 # Under its full name only: with a link libshade.so beside libshade.a, -lshade would take it.
 $(B)/$(SHADE_SHARED): $(SHADE_OBJ) | $(B)/libshade.map
 	$(call say,link     ,$@)
 	$(Q)$(CC) -shared -Wl,-soname,$(SHADE_SONAME),--version-script=$(B)/libshade.map $(if $(findstring -fsanitize,$(CFLAGS)),,-Wl,-z,defs) $(CFLAGS) $(LDFLAGS) $^ -lm -o $@
+endif
 
 # The interface as a text: functions, and the sizes, members and values of what they take. A test compares
 # it with the library (abidiff); what was meant to change is written anew.

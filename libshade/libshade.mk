@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # libshade, the `shade` tool, their tests. Needs a C compiler and make, no more.
 L := libshade
+COMMA := ,
 CC_IS_GCC := $(if $(findstring clang,$(shell $(CC) --version 2>/dev/null)),,yes)
 # a warning that a later compiler has stops tests, and nobody who only builds
 ifneq ($(filter check check-% soak soak-%,$(MAKECMDGOALS)),)
@@ -14,8 +15,19 @@ NO_PATH := "-ffile-prefix-map=$(CURDIR)=."
 # holds public functions has their types (`make abi`)
 DEBUG := -g1
 DEBUG_TYPES := -g
+# what the compiler makes code for, as isa.c and port/ ask it
+TARGET := $(shell printf '__x86_64__\n_WIN32\n' | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null)
+TARGET_IS_X86_64 := $(filter 1,$(word 1,$(TARGET)))
+TARGET_IS_WINDOWS := $(filter 1,$(word 2,$(TARGET)))
+# how its programs are named, and what runs them here (windows.mk)
+EXE := $(if $(TARGET_IS_WINDOWS),.exe)
+RUN :=
+SYSTEM_CFLAGS := $(if $(TARGET_IS_WINDOWS),-D__USE_MINGW_ANSI_STDIO=1)
+SYSTEM_LIBS := $(if $(TARGET_IS_WINDOWS),-static,-ldl)
+# gcc has vectors on the stack of Windows where their aligned moves fault (its bug 54412)
+UNALIGNED := $(if $(TARGET_IS_WINDOWS),$(if $(CC_IS_GCC),-Wa$(COMMA)-muse-unaligned-vector-move))
 SHADE_CFLAGS := -O3 -std=c11 $(DEBUG) -fPIC -fno-math-errno -fno-trapping-math -ffp-contract=fast \
-  -fopenmp-simd -fvisibility=hidden $(NO_PATH) $(SHADE_WARN) -I$(L)/include -I$(L)
+  -fopenmp-simd -fvisibility=hidden $(NO_PATH) $(SHADE_WARN) $(SYSTEM_CFLAGS) -I$(L)/include -I$(L)
 CFLAGS ?=
 # one short line a step; V=1 shows the commands
 Q := $(if $(V),,@)
@@ -33,10 +45,8 @@ FULL_VECTORS := $(if $(CC_IS_GCC),-fno-tree-slp-vectorize,-fno-slp-vectorize)
 NO_PAIRS := $(if $(CC_IS_GCC),--param=vect-epilogues-nomask=0)
 ISA_scalar := $(FULL_VECTORS) -fno-openmp-simd -fno-tree-vectorize -Wno-unknown-pragmas
 ISA_sse2 := $(ONE_BRANCH) $(FULL_VECTORS) $(NO_PAIRS)
-ISA_avx2 := $(ONE_BRANCH) $(FULL_VECTORS) -mavx2 -mfma -mtune=haswell
-ISA_avx512 := $(ONE_BRANCH) $(FULL_VECTORS) -march=x86-64-v4 -mprefer-vector-width=512 $(if $(CC_IS_GCC),-mtune=icelake-server)
-# by what the compiler makes code for, as isa.c asks it
-TARGET_IS_X86_64 := $(filter 1,$(shell echo __x86_64__ | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null))
+ISA_avx2 := $(ONE_BRANCH) $(FULL_VECTORS) $(UNALIGNED) -mavx2 -mfma -mtune=haswell
+ISA_avx512 := $(ONE_BRANCH) $(FULL_VECTORS) $(UNALIGNED) -march=x86-64-v4 -mprefer-vector-width=512 $(if $(CC_IS_GCC),-mtune=icelake-server)
 ISAS := scalar $(if $(TARGET_IS_X86_64),sse2 avx2 avx512)
 
 O := $(B)/obj
@@ -50,6 +60,8 @@ SHADE_OBJ := $(call isa_units,$(ISAS)) $(call in_both,dispatch fabric_eval) $(O)
   $(O)/src/wif_draft.o $(O)/src/wif_write.o
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/scratch_bins.o $(O)/src/scratch_table.o \
   $(O)/src/slopes.o $(O)/src/albedo.o
+SHADE_OBJ += $(O)/port/files.o
+PORT_OBJ := $(O)/port/process.o $(O)/port/threads.o
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))
 SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o \
   $(O)/src/fabric_table.o $(O)/src/fabric_shadow.o $(O)/src/fabric_albedo.o \
@@ -57,7 +69,7 @@ SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o \
 WHOLE_OBJ := $(O)/dump/whole.o
 DUMP_OBJ := $(O)/dump/dump.o $(O)/dump/dump_linked.o
 IMAGE_OBJ := $(O)/image/image.o
-TOOL_OBJ := $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/bench_cloth.o $(O)/tool/bench_lanes.o $(O)/tool/bench_maps.o \
+TOOL_OBJ := $(PORT_OBJ) $(O)/tool/main.o $(O)/tool/eval.o $(O)/tool/bench.o $(O)/tool/bench_cloth.o $(O)/tool/bench_lanes.o $(O)/tool/bench_maps.o \
   $(O)/tool/bench_diffuse.o \
   $(O)/tool/check.o $(O)/tool/json.o \
   $(O)/tool/work.o $(O)/tool/parse.o $(O)/tool/text.o $(O)/tool/weave.o $(ISAS:%=$(O)/tool/literal_%.o)
@@ -104,7 +116,7 @@ $(O)/tool/check.o: $(EXR_SEEN)
 $(O)/image/image.o: $(EXR_SEEN) $(PNG_SEEN)
 
 include $(L)/install.mk
-all: $(B)/libshade.a $(B)/$(SHADE_SHARED) $(B)/shade $(OIIO_MODULE)
+all: $(B)/libshade.a $(B)/$(SHADE_SHARED) $(B)/shade$(EXE) $(OIIO_MODULE)
 
 # Instruction sets that nobody runs in a build with sanitizers are taken from the build PLAIN_B: such a
 # build spends most of its time on instrumenting them. Public calls run the widest, matt alone the scalar one.
@@ -133,6 +145,10 @@ $(O)/src/%.o: $(L)/src/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(SHADE_CFLAGS) $(DEBUG_TYPES) $(CFLAGS) -MMD -c $< -o $@
+$(O)/port/%.o: $(L)/port/%.c $(L)/libshade.mk
+	@mkdir -p $(@D)
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(SHADE_CFLAGS) $(CFLAGS) -MMD -c $< -o $@
 $(O)/dump/%.o: $(L)/dump/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
@@ -154,7 +170,7 @@ $(ISAS:%=$(O)/tool/literal_%.o): $(O)/tool/literal_%.o: $(L)/tool/literal.c $(L)
 $(O)/reference/%.o: $(L)/reference/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
-	$(Q)$(CC) -O2 -std=c11 $(DEBUG) -fPIC -ffp-contract=off $(NO_PATH) $(SHADE_WARN) -I$(L)/include $(CFLAGS) -MMD -c $< -o $@
+	$(Q)$(CC) -O2 -std=c11 $(DEBUG) -fPIC -ffp-contract=off $(NO_PATH) $(SHADE_WARN) $(SYSTEM_CFLAGS) -I$(L)/include $(CFLAGS) -MMD -c $< -o $@
 
 $(B)/libshade.a: $(SHADE_OBJ)
 	$(call say,archive  ,$@)
@@ -162,9 +178,9 @@ $(B)/libshade.a: $(SHADE_OBJ)
 $(B)/libshade_dump.a: $(DUMP_OBJ) $(WHOLE_OBJ)
 	$(call say,archive  ,$@)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
-$(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
+$(B)/shade$(EXE): $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
 	$(call say,link     ,$@)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -pthread -ldl -lm -o $@
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -pthread $(SYSTEM_LIBS) -lm -o $@
 
 # the compiler makes these beside its objects: no rule is to be looked for
 %.d: ;
@@ -174,13 +190,14 @@ $(B)/shade: $(TOOL_OBJ) $(REF_OBJ) $(B)/libshade.a
 
 # Tests: one cmocka program per behaviour. `check-libshade` runs them as built, and those that ask about memory
 # and branches under AddressSanitizer and UndefinedBehaviorSanitizer; clang is asked for its warnings.
-TESTS := $(patsubst $(L)/test/test_%.c,$(B)/test/%,$(wildcard $(L)/test/test_*.c))
-TEST_LIBS := $(REF_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(O)/tool/work.o $(IMAGE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
-$(B)/test/%: $(L)/test/test_%.c $(TEST_LIBS)
+TESTS := $(patsubst $(L)/test/test_%.c,$(B)/test/%$(EXE),$(wildcard $(L)/test/test_*.c))
+CMOCKA_LIBS := -lcmocka
+TEST_LIBS := $(REF_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(O)/tool/work.o $(PORT_OBJ) $(IMAGE_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
+$(B)/test/%$(EXE): $(L)/test/test_%.c $(TEST_LIBS)
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
-	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) -I$(L)/include -I$(L) $(EXR_CFLAGS) $(CFLAGS) -MMD $< $(TEST_LIBS) \
-	  -lcmocka $(EXR_LIBS) $(PNG_LIBS) -pthread -lm -o $@
+	$(Q)$(CC) -O2 -std=c11 $(DEBUG) $(SHADE_WARN) $(SYSTEM_CFLAGS) -I$(L)/include -I$(L) $(EXR_CFLAGS) $(CFLAGS) -MMD $< $(TEST_LIBS) \
+	  $(CMOCKA_LIBS) $(EXR_LIBS) $(PNG_LIBS) -pthread $(SYSTEM_LIBS) -lm -o $@
 -include $(wildcard $(B)/test/*.d)
 
 # speed beside accuracy, of the library alone, also in docs/results/; `make compare` times the renderers
@@ -196,10 +213,10 @@ bench-pairs: $(B)/shade
 .PHONY: test-libshade check-libshade check-headers soak $(TESTS:%=%.run)
 # each a target of its own, so that -j runs several at once; the dearest first, as their heads say (setup/costs.py), or
 # they run alone at the end
-DEAREST := $(shell grep -H '^/\* COST = ' $(TESTS:$(B)/test/%=$(L)/test/test_%.c) | sort -t= -k2 -rn | sed 's,.*/test_\(.*\)\.c:.*,\1,')
-test-libshade: $(DEAREST:%=$(B)/test/%.run) $(TESTS:%=%.run)
+DEAREST := $(shell grep -H '^/\* COST = ' $(TESTS:$(B)/test/%$(EXE)=$(L)/test/test_%.c) | sort -t= -k2 -rn | sed 's,.*/test_\(.*\)\.c:.*,\1,')
+test-libshade: $(DEAREST:%=$(B)/test/%$(EXE).run) $(TESTS:%=%.run)
 $(TESTS:%=%.run): %.run: %
-	@$<
+	@$(RUN) $<
 
 # a hundred million cases, on all processors: some minutes
 soak: $(B)/test/soak $(B)/test/fabric_soak $(B)/test/hostile

@@ -24,24 +24,40 @@ MODEL = NUMBERS | {"libshade/model"}
 BATCH = MODEL | {"libshade/batch"}
 SOURCE = BATCH | {"libshade/src"}
 DOORS = PUBLIC | {"libshade/dump"}
+PORT = {"libshade/port"}
 MAY = {
     "libshade/include": set(),
     "libshade/data": set(),
     "libshade/model": NUMBERS,
     "libshade/batch": MODEL,
-    "libshade/src": BATCH,
+    "libshade/port": set(),
+    "libshade/src": BATCH | PORT,
     "libshade/reference": NUMBERS,
-    "libshade/dump": SOURCE,
-    "libshade/image": DOORS,
-    "libshade/tool": SOURCE | DOORS | {"libshade/image", "libshade/reference"},
+    "libshade/dump": SOURCE | PORT,
+    "libshade/image": DOORS | PORT,
+    "libshade/tool": SOURCE | DOORS | PORT | {"libshade/image", "libshade/reference"},
     "libshade/fuzz": PUBLIC | {"libshade/tool"},
     "blender_addon_c/native": DOORS,
-    "blender_addon_c/tool": DOORS | {"blender_addon_c/native", "libshade/image", "libshade/tool"},
+    "blender_addon_c/tool": DOORS | PORT | {"blender_addon_c/native", "libshade/image", "libshade/tool"},
     "povray_patches/glue": DOORS,
     "compare": DOORS,
     "examples": DOORS,
     "farm": DOORS,
 }
+# The doors to the system, and the folders where nothing else asks which system it is, or for a header that C11 lacks;
+# with those of other libraries that a folder reads files by
+PORTABLE = {f"libshade/{name}/": () for name in "batch data fuzz include model reference src tool".split()} | {
+    "libshade/dump/": ("openexr.h",),
+    "libshade/image/": ("openexr.h", "png.h"),
+}
+STANDARD = {
+    f"{name}.h"
+    for name in "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic stdbool stddef "
+    "stdint stdio stdlib stdnoreturn string tgmath time uchar wchar wctype".split()
+}
+ASKED = re.compile(
+    r"\b(_WIN(?:32|64)|_MSC_VER|__MINGW\w*|__(?:linux|unix|APPLE|FreeBSD|CYGWIN)__|_(?:POSIX_C|XOPEN|GNU|DEFAULT|BSD)_SOURCE)\b"
+)
 # where an include is looked for, beside the folder of the file that has it
 PATHS = ("libshade", "libshade/include", "blender_addon_c/native", "povray_patches/glue")
 
@@ -135,6 +151,24 @@ def test_includes_point_down():
 def test_parts_enter_by_their_doors():
     assert sum(map(len, INCLUDES.values())) > 500
     assert not trespasses(INCLUDES)
+
+
+def of_the_system(name, text):
+    """What a file knows of the system that it runs on."""
+    others = next((others for folder, others in PORTABLE.items() if name.startswith(folder)), None)
+    if others is None or not name.endswith((".c", ".h")):
+        return []
+    headers = re.findall(r"^\s*#\s*include\s*<([^>]+)>", text, re.M)
+    return [h for h in headers if h not in STANDARD and h not in others] + ASKED.findall(text)
+
+
+@pytest.mark.parametrize("line", ["#ifdef _WIN32", "#define _GNU_SOURCE /* sched_getaffinity */", "#include <unistd.h>", "# if defined(__APPLE__)"])
+def test_one_door_to_the_system(line):
+    asked = {name: of_the_system(name, (ROOT / name).read_text(encoding="utf-8")) for name in INCLUDES}
+    assert not {name: found for name, found in asked.items() if found}
+    for folder in PORTABLE:
+        assert any(name.startswith(folder) for name in INCLUDES)
+        assert len(of_the_system(folder + "a.c", f"#include <math.h>\n{line}\n")) == 1
 
 
 def test_no_circles():

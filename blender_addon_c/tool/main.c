@@ -9,6 +9,7 @@
 
 #include "dump/whole.h"
 #include "image/image.h"
+#include "port/process.h"
 #include "render/job.h"
 #include "scene_file.h"
 #include "share.h"
@@ -42,7 +43,7 @@ typedef struct options {
   const char *scene, *output, *passes;
   char **shares; /* of --merge */
   size_t share_count;
-  long samples, seed, threads, tile[4], share[2];
+  int64_t samples, seed, threads, tile[4], share[2];
   bool has_seed, has_tile, has_share, merge, progress, to_share;
 } options;
 
@@ -57,7 +58,7 @@ __attribute__((format(printf, 1, 2))) static int complain(const char *format, ..
 }
 
 /* Whole numbers; those from `positive` on are at least 1. */
-static bool parse_list(char *text, int count, int positive, long *value) {
+static bool parse_list(char *text, int count, int positive, int64_t *value) {
   for (int k = 0; k < count; k++) {
     char *comma = strchr(text, ',');
     if (!comma != (k == count - 1))
@@ -466,6 +467,7 @@ static int render_file(const options *o, scene_file *f) {
 }
 
 int main(int argc, char **argv) {
+  shade_port_begin(&argc, &argv);
   options o = {.progress = isatty(2)};
   scene_file file = {0};
   int status = parse(argc, argv, &o);

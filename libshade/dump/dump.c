@@ -1,20 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Dumps as OpenEXR files: names of channels, writer, reader. */
-#define _POSIX_C_SOURCE 200809L
 #include "dump.h"
 #include "dump_exr.h"
 #include "whole.h"
+#include "port/files.h"
 #include "src/json_text.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #define JSON_ATTRIBUTE "libshade"
 
@@ -485,13 +482,13 @@ static int check_channels(const struct report *r, exr_context_t context, struct 
 static int check_size(const struct report *r, int64_t width, int64_t height,
                       const struct contents *c) {
   const double best_ratio = 1100;
-  struct stat file;
-  if (stat(r->path, &file) != 0)
+  long long size = 0;
+  if (shade_port_look(r->path, &size) == SHADE_PORT_NONE)
     return fail(r, "cannot read: %s", strerror(errno));
   const double bytes = 4.0 * (double)width * (double)height * c->planes;
-  if (bytes > best_ratio * (double)file.st_size)
+  if (bytes > best_ratio * (double)size)
     return fail(r, "truncated or corrupt: %lld bytes cannot hold %d x %d pixels with %d lights",
-                (long long)file.st_size, (int)width, (int)height, c->lights);
+                size, (int)width, (int)height, c->lights);
   return 0;
 }
 
@@ -582,12 +579,14 @@ shade_dump *shade_dump_read(const struct shade_exr_api *api, const char *path, c
   const struct report r = {api, path, error, error_size};
   const exr_context_initializer_t options = context_options();
   exr_context_t context = NULL;
-  struct stat there;
-  if (stat(path, &there) == 0 && S_ISDIR(there.st_mode)) {
+  if (shade_port_look(path, NULL) == SHADE_PORT_FOLDER) {
     fail(&r, "is a folder, not a dump");
     return NULL;
   }
-  const exr_result_t code = api->exr_start_read(&context, path, &options);
+  char *name = shade_port_full_name(path);
+  const exr_result_t code =
+      name ? api->exr_start_read(&context, name, &options) : EXR_ERR_OUT_OF_MEMORY;
+  free(name);
   if (code != EXR_ERR_SUCCESS) {
     fail_library(&r, code, "cannot read");
     return NULL;

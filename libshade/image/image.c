@@ -1,20 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Pictures as files: names, checks, temporary files. The formats are in image_*.c. */
-#define _POSIX_C_SOURCE 200809L
 #include "image/image.h"
 #include "image/writer.h"
 
+#include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
+
+static int same_letters(const char *text, const char *small) {
+  while (*small && tolower((unsigned char)*text) == *small) {
+    text++;
+    small++;
+  }
+  return !*text && !*small;
+}
 
 shade_image_format shade_image_format_of(const char *path) {
   const char *dot = strrchr(path, '.');
-  if (dot && !strcasecmp(dot, ".exr"))
+  if (dot && same_letters(dot, ".exr"))
     return SHADE_IMAGE_EXR;
-  return dot && !strcasecmp(dot, ".png") ? SHADE_IMAGE_PNG : SHADE_IMAGE_UNKNOWN;
+  return dot && same_letters(dot, ".png") ? SHADE_IMAGE_PNG : SHADE_IMAGE_UNKNOWN;
 }
 
 static const shade_image_backend *backend(shade_image_format format) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* PNG of 8 or 16 bits, through libpng. */
 #include "image/writer.h"
+#include "port/files.h"
 
 #include <errno.h>
 #include <math.h>
@@ -76,7 +77,7 @@ static int open_file(shade_image_writer *w) {
   p->info = p->png ? png_create_info_struct(p->png) : NULL;
   if (!p->row || !p->info)
     return shade_image_fail(w, "out of memory");
-  p->file = fopen(w->file.temporary, "wb");
+  p->file = shade_port_open(w->file.temporary, "wb");
   if (!p->file)
     return shade_image_fail(w, "cannot write: %s", strerror(errno));
   return start(w, p);

@@ -10,6 +10,7 @@
 
 #include "../model/fabric.h"
 #include "../batch/isa.h"
+#include "../port/memory.h"
 #include "params.h"
 
 enum {
@@ -256,7 +257,7 @@ void shade_fabric_free(shade_fabric *f) {
     return;
   shade_fabric_table_free(f->side[0].table);
   shade_fabric_table_free(f->side[1].table);
-  free(f->table);
+  shade_port_aligned_free(f->table);
   free(f->strip[0]);
   free(f->strip[1]);
   shade_weave_free(f->weave);
@@ -296,8 +297,8 @@ shade_fabric *shade_fabric_create(const shade_weave *weave, const shade_fabric_p
   const size_t most = blocks * (size_t)(looks * looks);
   cloud clouds[2] = {{malloc(most * sizeof(fabric_look)), 0, 0, 0},
                      {malloc(most * sizeof(fabric_look)), 0, 0, 0}};
-  f->table = aligned_alloc(64, (size_t)(f->columns + 1) * (size_t)(f->rows + 1) * COLUMNS_STEP *
-                                   sizeof *f->table);
+  f->table = shade_port_aligned_new((size_t)(f->columns + 1) * (size_t)(f->rows + 1) *
+                                    COLUMNS_STEP * sizeof *f->table);
   int ok = clouds[0].looks && clouds[1].looks && f->table;
   for (int k = 0; k < 2; k++) { /* kd is read by look_at_repeat */
     memcpy(f->side[k].kd, k ? p.warp.kd : p.weft.kd, sizeof f->side[k].kd);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../port/files.h"
 #include "wif.h"
 
 static int add_row(wif *w, section where, row r) {
@@ -352,7 +353,7 @@ shade_draft *shade_wif_parse(const char *text, size_t length, const char *name, 
 }
 
 shade_draft *shade_wif_read(const char *path, char *message, size_t message_size) {
-  FILE *file = fopen(path, "rb");
+  FILE *file = shade_port_open(path, "rb");
   char *text = NULL;
   size_t length = 0, capacity = 0;
   int wrong = !file;

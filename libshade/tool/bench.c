@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* shade bench: nanoseconds and worst error of every entry, side by side. */
-#define _POSIX_C_SOURCE 200809L /* clock_gettime, isatty */
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "port/memory.h"
+#include "port/process.h"
 #include "reference/reference.h"
 #include "shade/shade.h"
 #include "model/bsdf.h"
@@ -51,8 +52,8 @@ static int in_cache_only(what w) {
 }
 
 static void release(arrays *a) {
-  free(a->room[0]);
-  free(a->room[1]);
+  shade_port_aligned_free(a->room[0]);
+  shade_port_aligned_free(a->room[1]);
 }
 
 /*
@@ -60,8 +61,8 @@ static void release(arrays *a) {
  * of a page: stores and loads 4096 bytes apart wait for each other. NULL when out of memory.
  */
 static void *make_room(size_t size, char *starts[INPUTS + OUTPUTS]) {
-  const size_t line = 64, step = (size + line - 1) / line * line + 5 * line;
-  char *room = aligned_alloc(line, step * (INPUTS + OUTPUTS));
+  const size_t line = SHADE_PORT_LINE, step = (size + line - 1) / line * line + 5 * line;
+  char *room = shade_port_aligned_new(step * (INPUTS + OUTPUTS));
   if (!room)
     return NULL;
   memset(room, 0, step * (INPUTS + OUTPUTS));
@@ -297,12 +298,35 @@ static void usage(FILE *to) {
       to);
 }
 
+/* Rows for a file, kept until all is measured: it appears whole or not at all. */
+typedef struct kept {
+  char *text; /* NULL when out of memory */
+  size_t length, room;
+} kept;
+
+static void keep(kept *k, const char *format, ...) {
+  enum { MOST = 256 }; /* of a row */
+  if (k->text && k->room - k->length < MOST) {
+    char *more = realloc(k->text, k->room *= 2);
+    if (!more)
+      free(k->text);
+    k->text = more;
+  }
+  if (!k->text)
+    return;
+  va_list arguments;
+  va_start(arguments, format);
+  const int length = vsnprintf(k->text + k->length, MOST, format, arguments);
+  va_end(arguments);
+  k->length += length < MOST ? (size_t)length : MOST - 1;
+}
+
 typedef struct options {
   int csv, all, mdf, what, set; /* -1: every one */
   int apart;                    /* one of apart_words alone, counted from 1 */
   int horizon;                  /* of WHAT_F_HORIZON; -1: every one */
   const char *isa, *output;
-  FILE *file;
+  kept *file; /* NULL: none */
   double ex, ey;
 } options;
 
@@ -324,8 +348,8 @@ static void print_row(const options *o, const row *r, what asked, const char *pr
          mdf, precision, isa, set, r->ns, r->ns / perturb, r->ns / bare, r->error);
   fflush(stdout);
   if (o->file)
-    fprintf(o->file, csv, w, method, mdf, precision, isa, set, r->ns, r->ns / perturb, r->ns / bare,
-            r->error);
+    keep(o->file, csv, w, method, mdf, precision, isa, set, r->ns, r->ns / perturb, r->ns / bare,
+         r->error);
 }
 
 /*
@@ -474,7 +498,8 @@ static int wanted(const options *o, const shade_isa_table *isa) {
 }
 
 static void progress(int done, int total, const char *what) {
-  if (!isatty(2) || isatty(1)) /* rows on a terminal are progress enough */
+  if (!shade_port_is_terminal(2) ||
+      shade_port_is_terminal(1)) /* rows on a terminal are progress enough */
     return;
   int filled = total ? 30 * done / total : 0;
   fprintf(stderr, "\rshade bench [%.*s%*s] %-40s", filled, "##############################",
@@ -529,7 +554,7 @@ static void print_apart(void *context, const char *what, const char *preset, con
            isa, ns, ratio, "", error);
   fflush(stdout);
   if (c->o->file)
-    fprintf(c->o->file, csv, what, preset, mdf, type, isa, ns, ratio, error);
+    keep(c->o->file, csv, what, preset, mdf, type, isa, ns, ratio, error);
 }
 
 /* By public calls, which run on what the environment named when a cloth or material was made. */
@@ -541,7 +566,8 @@ static int bench_apart(const options *o) {
     apart_rows rows = {o, {1, 1}};
     if (!wanted(o, isa))
       continue;
-    if (setenv(SHADE_ISA_VARIABLE, isa->name, 1) || !jobs[o->apart - 1](print_apart, &rows)) {
+    if (shade_port_set_variable(SHADE_ISA_VARIABLE, isa->name) ||
+        !jobs[o->apart - 1](print_apart, &rows)) {
       fputs("shade bench: out of memory\n", stderr);
       return TOOL_BAD_INPUT;
     }
@@ -559,17 +585,13 @@ int shade_cmd_bench(int argc, char **argv) {
   if (!o.isa && !o.all)
     o.isa = shade_isa();
 
-  char *text = NULL;
-  size_t length;
-  if (o.output) { /* kept here until all is measured: the file appears whole or not at all */
+  kept file = {.room = 4096};
+  if (o.output) {
     if (tool_save_text("bench", o.output, NULL, 0))
       return TOOL_BAD_INPUT;
-    o.file = open_memstream(&text, &length);
-    if (!o.file) {
-      fputs("shade bench: out of memory\n", stderr);
-      return TOOL_BAD_INPUT;
-    }
-    fputs(columns, o.file);
+    file.text = malloc(file.room);
+    keep(&file, "%s", columns);
+    o.file = &file;
   }
   if (o.csv)
     fputs(columns, stdout);
@@ -591,16 +613,16 @@ int shade_cmd_bench(int argc, char **argv) {
       status = bench_set(&o, s, &done, total);
   if (!status)
     status = bench_apart(&o);
-  if (isatty(2) && !isatty(1))
+  if (shade_port_is_terminal(2) && !shade_port_is_terminal(1))
     fputs("\r\033[K", stderr);
   if (o.file) {
-    if (fclose(o.file)) {
+    if (!file.text) {
       fputs("shade bench: out of memory\n", stderr);
       status = TOOL_BAD_INPUT;
     }
-    if (!status && tool_save_text("bench", o.output, text, length))
+    if (!status && tool_save_text("bench", o.output, file.text, file.length))
       status = TOOL_BAD_INPUT;
-    free(text);
+    free(file.text);
   }
   return status;
 }

@@ -3,13 +3,13 @@
  * shade bench, diffuse: the diffuse part of a material alone, each model about a bumped normal;
  * what a lookup of a filtered normal map costs that shades several lobes; and the reference.
  */
-#define _POSIX_C_SOURCE 200809L /* clock_gettime */
 
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "port/memory.h"
 #include "reference/reference.h"
 #include "shade/maps.h"
 #include "shade/shade.h"
@@ -83,7 +83,7 @@ static double error_of(const shade_params *p, const shade_bsdf *b, arrays *a, in
 }
 
 int bench_diffuse(bench_row *print, void *context) {
-  arrays *a = aligned_alloc(64, (sizeof *a + 63) / 64 * 64);
+  arrays *a = shade_port_aligned_new((sizeof *a + 63) / 64 * 64);
   if (!a)
     return 0;
   fill(a);
@@ -116,7 +116,7 @@ int bench_diffuse(bench_row *print, void *context) {
         print(context, "diffuse", shade_list_word(SHADE_LIST_DIFFUSE, d), "none", single, ns[d],
               error_of(&p[d], &b[d], a, single));
   }
-  free(a);
+  shade_port_aligned_free(a);
   return 1;
 }
 
@@ -172,7 +172,7 @@ int bench_lobes(bench_row *print, void *context) {
 
 int bench_reference(bench_row *print, void *context) {
   enum { SOME = COUNT / 4, TURNS = 10 };
-  arrays *a = aligned_alloc(64, (sizeof *a + 63) / 64 * 64);
+  arrays *a = shade_port_aligned_new((sizeof *a + 63) / 64 * 64);
   volatile double kept;
   if (!a)
     return 0;
@@ -196,6 +196,6 @@ int bench_reference(bench_row *print, void *context) {
     print(context, "D_reference", "rotate", shade_list_word(SHADE_LIST_MDF, mdf), 0, best, 0);
   }
   (void)kept;
-  free(a);
+  shade_port_aligned_free(a);
   return 1;
 }

@@ -3,13 +3,13 @@
  * shade bench, lanes: f, density and draws of GGX with the material's own parameters, with alphas
  * of each sample, and with every parameter that a sample may have.
  */
-#define _POSIX_C_SOURCE 200809L /* clock_gettime */
 
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "port/memory.h"
 #include "reference/reference.h"
 #include "shade/shade.h"
 #include "batch/arrays.h"
@@ -133,7 +133,7 @@ static double error_of(const shade_params *base, const shade_bsdf *b, arrays *a,
 
 int bench_lanes(bench_row *print, void *context) {
   static const shade_detail methods[] = {SHADE_DETAIL_NONE, SHADE_DETAIL_ROTATE};
-  arrays *a = aligned_alloc(64, (sizeof *a + 63) / 64 * 64);
+  arrays *a = shade_port_aligned_new((sizeof *a + 63) / 64 * 64);
   if (!a)
     return 0;
   fill(a);
@@ -163,6 +163,6 @@ int bench_lanes(bench_row *print, void *context) {
                 shade_list_word(SHADE_LIST_MDF, (int)p.mdf), single, ns[which],
                 error_of(&p, &b, a, (job)what, (given)which, single));
       }
-  free(a);
+  shade_port_aligned_free(a);
   return 1;
 }

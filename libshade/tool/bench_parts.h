@@ -4,14 +4,13 @@
 #define SHADE_TOOL_BENCH_PARTS_H
 
 #include <stdint.h>
-#include <time.h>
+
+#include "port/threads.h"
 
 /* The clock on the wall: a thread's own time is a guess on virtual machines, at times a short one.
  */
 static inline double bench_seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+  return shade_port_seconds();
 }
 
 static inline double bench_uniform(uint64_t *state) { /* splitmix64 */

@@ -268,7 +268,7 @@ static int read_option(query *q, const char *option, const char *value, unsigned
 
 /* What all else is said on top of, wherever it stands. */
 static int read_defaults(query *q, int argc, char **argv) {
-  long defaults;
+  int64_t defaults;
   char range[40];
   for (int i = 1; i + 1 < argc; i += 2)
     if (!strcmp(argv[i], "--defaults")) {

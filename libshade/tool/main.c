@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "port/process.h"
 #include "shade/shade.h"
 #include "tool/tool.h"
 
@@ -42,6 +43,7 @@ static int written(int status) {
 }
 
 int main(int argc, char **argv) {
+  shade_port_begin(&argc, &argv);
   if (argc < 2) {
     usage(stderr);
     return TOOL_BAD_USAGE;

@@ -16,23 +16,23 @@ int tool_parse_number(const char *text, double *value) {
 }
 
 /* A whole number at the start of the text, without blanks before it; *end is what follows. */
-static int whole(const char *text, long low, long high, long *value, const char **end) {
+static int whole(const char *text, int64_t low, int64_t high, int64_t *value, const char **end) {
   char *rest;
   if (isspace((unsigned char)*text))
     return 0;
   errno = 0;
-  *value = strtol(text, &rest, 10);
+  *value = strtoll(text, &rest, 10);
   *end = rest;
   return rest != text && !errno && *value >= low && *value <= high;
 }
 
-int tool_parse_whole(const char *text, long low, long high, long *value) {
+int tool_parse_whole(const char *text, int64_t low, int64_t high, int64_t *value) {
   const char *end;
   return whole(text, low, high, value, &end) && !*end;
 }
 
 int tool_parse_size(const char *text, int most, int *width, int *height) {
-  long w, h;
+  int64_t w, h;
   const char *end;
   if (!whole(text, 1, most, &w, &end))
     return 0;
@@ -47,7 +47,7 @@ int tool_parse_size(const char *text, int most, int *width, int *height) {
 int tool_parse_pattern(const char *text, int numbers[3]) {
   for (int i = 0; i < 3; i++) {
     const char last = i < 2 ? ',' : '\0';
-    long value;
+    int64_t value;
     if (i == 0 && !strncmp(text, "inf,", 4)) {
       value = SHADE_WEFT_ONLY;
       text += 3;

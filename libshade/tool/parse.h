@@ -4,10 +4,11 @@
 #define SHADE_TOOL_PARSE_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 /* A finite number, or a whole number of low to high, that is the whole text. */
 int tool_parse_number(const char *text, double *value);
-int tool_parse_whole(const char *text, long low, long high, long *value);
+int tool_parse_whole(const char *text, int64_t low, int64_t high, int64_t *value);
 
 /* "W" or "WxH", each 1 to most; W alone is a square. */
 int tool_parse_size(const char *text, int most, int *width, int *height);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* shade scratch: pictures of a field of scratches, or its values at points. */
-#define _POSIX_C_SOURCE 200809L
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -173,7 +172,7 @@ static int read_value(options *o, const char *option, const char *text) {
   else if (!strcmp(option, "--threads"))
     return whole(option, text, 1, MOST_THREADS, &o->threads);
   else if (!strcmp(option, "--pits")) {
-    int pits;
+    int pits = 0;
     if (whole(option, text, 0, SHADE_SCRATCH_MAX_PITS, &pits) != TOOL_DONE)
       return TOOL_BAD_USAGE;
     l->pits = (uint32_t)pits;

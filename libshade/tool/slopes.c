@@ -98,7 +98,7 @@ static int read_value(options *o, const char *option, const char *text) {
     o->lobes = *text - '0';
     o->has_lobe = 1;
   } else if (!strcmp(option, "--defaults")) {
-    long defaults;
+    int64_t defaults;
     if (!tool_parse_whole(text, 0, SHADE_DEFAULTS, &defaults))
       return bad(option, text, "a version of the defaults, as shade eval --help has them");
     for (int list = 0; list < SHADE_LIST_COUNT; list++)

@@ -369,7 +369,7 @@ static int read_options(int argc, char **argv, options *o) {
     }
     for (int k = 0; k < 3; k++)
       if (!strcmp(a, numbers[k].name)) {
-        long number;
+        int64_t number;
         if (i + 1 == argc ||
             !tool_parse_whole(argv[i + 1], numbers[k].low, numbers[k].high, &number)) {
           fprintf(stderr, "shade swatch: %s: expected a whole number from %d to %d\n", a,

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#define _POSIX_C_SOURCE 200809L /* getline */
 #include "tool/text.h"
 
 #include <ctype.h>
@@ -7,9 +6,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "dump/whole.h"
+#include "port/files.h"
+#include "port/process.h"
 #include "tool/parse.h"
 #include "tool/tool.h"
 
@@ -21,8 +21,8 @@ void tool_bad_line(tool_lines *in, const char *wrong) {
 }
 
 int tool_next_line(tool_lines *in, int count, int other, double *numbers) {
-  ssize_t length;
-  while (!in->status && (length = getline(&in->line, &in->capacity, stdin)) >= 0) {
+  long long length;
+  while (!in->status && (length = shade_port_line(&in->line, &in->capacity, stdin)) >= 0) {
     in->number++;
     const char *text = in->line;
     if (in->number == 1 &&
@@ -59,15 +59,15 @@ int tool_end_lines(tool_lines *in) {
 
 /* To be written to as it is: to rename over a device would put a file in its place. */
 static int is_device(const char *path) {
-  struct stat found;
-  return stat(path, &found) == 0 && !S_ISREG(found.st_mode);
+  const shade_port_kind there = shade_port_look(path, NULL);
+  return there == SHADE_PORT_FOLDER || there == SHADE_PORT_DEVICE;
 }
 
 int tool_save_text(const char *title, const char *path, const char *text, size_t length) {
   char why[256] = "";
   int good;
   if (is_device(path)) {
-    FILE *stream = fopen(path, "w");
+    FILE *stream = shade_port_open(path, "wb");
     good = stream && (!text || fwrite(text, 1, length, stream) == length);
     good = stream && !fclose(stream) && good;
     snprintf(why, sizeof why, "cannot write: %s", strerror(errno));

@@ -224,7 +224,7 @@ static int set_output(request *r, const char *option, const char *value) {
 
 /* An option of takes_value. */
 static int set_option(request *r, const char *option, const char *value) {
-  long number;
+  int64_t number;
   if (!strcmp(option, "--pattern") || !strcmp(option, "--draft") || !strcmp(option, "--name"))
     return set_draft(r, option, value);
   if (!strcmp(option, "-o"))

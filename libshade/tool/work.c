@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#define _POSIX_C_SOURCE 200809L
 #include "tool/work.h"
 
-#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <time.h>
-#include <unistd.h>
 
+#include "port/process.h"
+#include "port/threads.h"
 #include "tool/tool.h"
 
 static volatile sig_atomic_t interrupted;
@@ -20,13 +17,7 @@ static void on_interrupt(int signal) {
 }
 
 void tool_catch_interrupts(void) {
-  struct sigaction action;
-  memset(&action, 0, sizeof action);
-  action.sa_handler = on_interrupt;
-  sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
+  shade_port_on_stop(on_interrupt);
 }
 
 int tool_interrupted(void) {
@@ -34,28 +25,22 @@ int tool_interrupted(void) {
 }
 
 int tool_threads(void) {
-  const long cpus = sysconf(_SC_NPROCESSORS_ONLN);
-  return cpus < 1 ? 1 : cpus > TOOL_MAX_THREADS ? TOOL_MAX_THREADS : (int)cpus;
+  const int cpus = shade_port_processors();
+  return cpus > TOOL_MAX_THREADS ? TOOL_MAX_THREADS : cpus;
 }
 
 /* ---- progress ----------------------------------------------------------------- */
 
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 void tool_progress_begin(tool_progress *p, const char *title, double total) {
   p->title = title;
   p->total = total;
-  p->begun = p->shown = seconds();
-  p->visible = isatty(2) ? 0 : -1;
+  p->begun = p->shown = shade_port_seconds();
+  p->visible = shade_port_is_terminal(2) ? 0 : -1;
 }
 
 void tool_progress_at(tool_progress *p, double done) {
   enum { WIDTH = 32 };
-  const double now = p->visible < 0 ? 0 : seconds();
+  const double now = p->visible < 0 ? 0 : shade_port_seconds();
   if (p->visible < 0 || now - p->begun < 0.5 || now - p->shown < 0.1)
     return;
   const double part = p->total > 0 && done < p->total ? done / p->total : 1;
@@ -171,14 +156,8 @@ static void *work(void *argument) {
 /* Wait for a band; 0 when interrupted. Ctrl-C does not wake a waiting thread: look often. */
 static int await(ring *r, int slot) {
   pthread_mutex_lock(&r->lock);
-  while (!r->full[slot] && !interrupted) {
-    struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_nsec += 50000000;
-    until.tv_sec += until.tv_nsec / 1000000000;
-    until.tv_nsec %= 1000000000;
-    pthread_cond_timedwait(&r->moved, &r->lock, &until);
-  }
+  while (!r->full[slot] && !interrupted)
+    shade_port_wait(&r->moved, &r->lock, 0.05);
   pthread_mutex_unlock(&r->lock);
   return !interrupted;
 }
