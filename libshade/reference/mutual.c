@@ -142,7 +142,7 @@ static kept_back kept_back_of(const bumps *b) {
     real seen = 0;
     for (int i = 0; i < 4; i++) {
       const real sign = i & 1 ? -1 : 1;
-      const real off = sign * (i < 2 ? (tails ? 1.4L : 0.97L) : (tails ? 0.5L : 0.62L));
+      const real off = sign * (i < 2 ? (tails ? 1.8L : 0.97L) : (tails ? 0.9L : 0.62L));
       to[i] =
           (vec){off * sqrtl(v[0]) * (i < 2 ? gx : -gy), off * sqrtl(v[1]) * (i < 2 ? gy : gx), 1};
       seen += fmaxl(dot(to[i], o), 0);
