@@ -9,7 +9,7 @@ COST = 0.24
 # What the sum was when it was taken, and a little: it keeps `make check` from growing. Files were measured beside other
 # jobs, which makes them dearer; those of native modules are the release build's, their run under sanitizers stands in
 # test_native_build.py.
-LIMIT = 1824
+LIMIT = 1830
 
 
 def test_each_file_says_its_cost():
