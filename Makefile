@@ -9,7 +9,7 @@
 #   make farm      build/libshade-farm, which spreads frames, tiles and shares over machines
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make povray-package  it as a package for Debian, beside Debian's own, and as an archive that runs from any folder
-#   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all
+#   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all, by a cluster with ENGINE=slurm
 #   make compare-quick  a smaller report, in two minutes once all is built
 #   make manual    build/manual/html/index.html, from docs/
 #   make supported the tables of docs/blender/supported.md, from what the exporter reads

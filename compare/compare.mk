@@ -68,13 +68,14 @@ bench-povray: povray setup-test
 # cores, is build/compare/quick/report.html; what is done already is not done again.
 .PHONY: compare-quick
 compare-quick: $(RENDERERS) all $(MEASURED)
-	@$(PY) compare/report_page.py --quick
+	@$(PY) compare/report_page.py --quick $(ENGINE:%=--engine %)
 
 # The same plate in Cycles of 3.4 and 5.0 and in Mitsuba 3, beside ours: a section of the report of its own
 .PHONY: compare-peers
 compare-peers: $(B)/libshade-blender.zip all
 	@$(PY) compare/report_page.py --only peers --output $(B)/compare/peers
 
+# ENGINE=slurm: the pieces of the report by a cluster (docs/start/farm.md).
 # Each judge is heard, and the report written, whether or not one before found something beyond its limits;
 # that is then said last. One that found nothing is not asked again until a program or a script changes.
 # --results: what is found stands in docs/results/ and in README.md.
@@ -89,7 +90,8 @@ compare: demo $(B)/libshade-blender.zip $(MEASURED)
 	    echo "compare/$$judge: within limits, as found before"; continue; \
 	  fi; \
 	  rm -f "$$mark"; touch "$$mark.begun"; \
-	  $(PY) compare/$$judge || { [ $$? -eq 130 ] && exit 130; missed="$$missed compare/$$judge;"; continue; }; \
+	  set -- $$judge; [ "$$1" != report_page.py ] || set -- "$$@" $(ENGINE:%=--engine %); \
+	  $(PY) compare/"$$@" || { [ $$? -eq 130 ] && exit 130; missed="$$missed compare/$$judge;"; continue; }; \
 	  [ "$${judge%% *}" = report_page.py ] || mv "$$mark.begun" "$$mark"; \
 	done; \
 	[ -z "$$missed" ] || { echo "make compare: not within limits, or failed:$$missed see above" >&2; exit 1; }

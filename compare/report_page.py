@@ -7,15 +7,21 @@ takes is said beforehand. A page is written only if every sentence of its findin
 that run; else the sentences that do not are printed, and the exit status is 1.
 
 --quick takes two minutes on two idle cores and writes build/compare/quick/report.html.
+
+--engine slurm has the pieces done by the nodes of a Slurm cluster that share this folder (docs/start/farm.md), but for those of
+studies that measure times, which run here and alone.
 """
 import argparse
 import ast
 import csv
 import hashlib
 import importlib
+import json
 import numbers
 import re
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import answers
@@ -53,6 +59,9 @@ def arguments(argv=None):
     parser.add_argument("--output", type=Path,
                         help="folder of report.html and data/ (default build/compare, or "
                              "build/compare/quick)")
+    parser.add_argument("--engine", choices=("slurm", "local"), help="have libshade-farm do the pieces")
+    parser.add_argument("--piece", metavar="STUDY/KEY", help=argparse.SUPPRESS)  # of --engine: this one alone, of that stamp
+    parser.add_argument("--stamp", help=argparse.SUPPRESS)
     options = parser.parse_args(argv)
     if options.quick and options.results:
         parser.error("--results: the quick report is too rough for docs/results/")
@@ -182,13 +191,53 @@ def say_plan(pieces):
           if left else f"{len(pieces)} pieces, all of them done before", flush=True)
 
 
+FARMED = ("atlas", "truth", "consistency")  # studies that measure no times
+
+
+def do(module, task, file, mark, head, say):
+    """One piece: its file appears once all of it is done."""
+    folder = file.with_suffix("")
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = task.run(folder, say)
+    if not rows:
+        raise ValueError(f"study {module.NAME}, {task.key}: no rows")
+    write_rows(file, rows, {**head, "command": task.command or head["command"], "stamp": mark})
+    if not any(folder.iterdir()):
+        folder.rmdir()
+
+
+def farm(options, pieces):
+    """What is missing, by items of libshade-farm."""
+    todo = [piece for piece in pieces if not piece[-1] and piece[0].NAME in FARMED]
+    if not todo:
+        return
+    words = [sys.executable, str(Path(__file__).resolve()), *(["--quick"] if options.quick else []), "--output", str(options.output)]
+    items = [{"name": f"{module.NAME}: {task.key}", "words": [*words, "--piece", f"{module.NAME}/{task.key}", "--stamp", mark]}
+             for module, task, _file, mark, _done in todo]
+    number = 1 + max((int(path.suffix[1:]) for path in options.output.glob("farm.*") if path.suffix[1:].isdigit()), default=0)
+    folder = options.output / f"farm.{number}"
+    listed = options.output / f"report-{number}.items"
+    whole.write_text(listed, json.dumps({"folder": str(programs.ROOT), "inputs": [], "items": items}, indent=1))
+    command = ["/usr/bin/python3", str(programs.ROOT / "farm")]
+    if subprocess.run([*command, "submit", str(listed), "-o", str(folder), "--engine", options.engine]).returncode not in (0, 1):
+        raise KeyboardInterrupt
+    live = report.Progress(f"{len(todo)} pieces by {options.engine}")
+    while not (folder / "finished.json").exists():
+        if not (folder / "job.json").exists():
+            raise ValueError("the pieces were not submitted")
+        time.sleep(0.5)
+        live.read(f"{100 * len(list((folder / 'results').iterdir())) // len(todo)} %")
+    wrong = json.loads((folder / "finished.json").read_text(encoding="utf-8"))["wrong"]
+    live.done("failed" if wrong else None)
+    if wrong:
+        raise ValueError("\n  ".join([f"pieces failed; go on with: {' '.join(command)} resume {folder}", *wrong]))
+
+
 def work(pieces, head):
     """Do what is missing."""
     todo = [piece for piece in pieces if not piece[-1]]
     remaining = sum(piece[1].seconds for piece in todo)
     for place, (module, task, file, mark, _done) in enumerate(todo):
-        folder = file.with_suffix("")
-        folder.mkdir(parents=True, exist_ok=True)
         progress = report.Progress(f"[{place + 1}/{len(todo)}, {duration(remaining)} left] "
                                    f"{module.NAME}: {task.key}")
 
@@ -197,15 +246,10 @@ def work(pieces, head):
                 live.show(text)
 
         try:
-            rows = task.run(folder, say)
+            do(module, task, file, mark, head, say)
         except BaseException:
             progress.done("failed")
             raise
-        if not rows:
-            raise ValueError(f"study {module.NAME}, {task.key}: no rows")
-        write_rows(file, rows, {**head, "command": task.command or head["command"], "stamp": mark})
-        if not any(folder.iterdir()):
-            folder.rmdir()
         progress.done()
         remaining -= task.seconds
 
@@ -244,12 +288,22 @@ def main(argv=None):
     options = arguments(argv)
     head = results.surroundings(f"make {'compare-quick' if options.quick else 'compare'}")
     pieces = plan(options, head)
+    if options.piece:
+        of = [piece for piece in pieces if f"{piece[0].NAME}/{piece[1].key}" == options.piece]
+        if not of:
+            raise ValueError(f"--piece {options.piece}: no such piece")
+        do(*of[0][:3], options.stamp or of[0][3], head, lambda text: print(text, flush=True))
+        return 0
     say_plan(pieces)
     if options.plan:
         return 0
     if not Path(programs.SHADE).is_file():
         raise ValueError(f"{programs.SHADE}: no such file; run make")
     options.output.mkdir(parents=True, exist_ok=True)
+    if options.engine:
+        farm(options, pieces)
+        options.again = False
+        pieces = plan(options, head)
     work(pieces, head)
     sections = gather(options, pieces, head)
     left = sum(section.left for section in sections)

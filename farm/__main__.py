@@ -134,6 +134,8 @@ def submit(options):
     about = renderer.examine(scene, options)
     frames, first, last = parse_frames(options.frames, about.get("all_frames")) if options.frames else (about["frames"], None, None)
     items = plan_items(about, frames, options.tiles, options.shares)
+    for one, text in zip(items, about.get("names", [])):
+        one["name"] = text
     cores = len(os.sched_getaffinity(0))
     threads = options.threads or (1 if options.engine == "slurm" else max(1, cores // min(cores, len(items))))
     name = os.path.splitext(os.path.basename(scene))[0]
@@ -147,8 +149,8 @@ def submit(options):
         print(f"libshade-farm: warning: {path}: an input is not there", file=sys.stderr)
     said = {"scene": scene, "name": name, "words": about.get("words", options.words), "threads": threads, "items": items,
             "programs": {need: options.programs[need] for need in about["programs"]}, "environment": options.environment, "isa": options.isa,
-            "engine": options.engine, "sbatch": shlex.split(options.sbatch), "range": [first, last], "corner": about.get("corner", [0, 0]), "libraries": about.get("libraries", []), "clock": about.get("clock", False),
-            "movie": None if options.no_movie else {"rate": options.rate or about.get("rate", 24), "layer": about.get("layer", "")}}
+            "engine": options.engine, "sbatch": shlex.split(options.sbatch), "range": [first, last], "corner": about.get("corner", [0, 0]), "pictures": not about.get("no_frames"), "libraries": about.get("libraries", []), "clock": about.get("clock", False),
+            "movie": None if options.no_movie or about.get("no_frames") else {"rate": options.rate or about.get("rate", 24), "layer": about.get("layer", "")}}
     if options.dry_run:
         plan = jobs.Job.planned(os.path.abspath(options.output or f"{name}-farm-1"), said)
         print(f"{len(items)} items of {threads} thread{'s' if threads > 1 else ''} each:")
@@ -202,7 +204,7 @@ def status(options):
     elif finished and not missing:
         for line in finished["wrong"]:
             print(f"failed: {line}")
-        print(f"frames are in {job.path('frames')}")
+        print(f"{'frames' if job.said['pictures'] else 'results'} are in {job.shown()}")
     return 0
 
 
@@ -262,7 +264,7 @@ def parser():
                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     tasks = whole.add_subparsers(dest="task", required=True, metavar="submit|status|cancel|resume|item|merge")
     one = tasks.add_parser("submit", help="begin a scene's items", epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
-    one.add_argument("scene", metavar="FILE.blend|FILE.pov|SCENE.shscene")
+    one.add_argument("scene", metavar="FILE.blend|FILE.pov|SCENE.shscene", help="or a list of commands, .items (renderers/commands.py)")
     one.add_argument("-o", "--output", metavar="FOLDER", help="a new or empty folder for all of it (default NAME-farm-1, -2, ...)")
     one.add_argument("--frames", metavar="A-B[/STEP]", help="or A; all: those of the .blend (default: its current frame, a still)")
     one.add_argument("--tiles", metavar="NxM", type=parse_tiles, help="each frame in N columns and M rows")

@@ -108,7 +108,7 @@ def _make(job, key, log, render):
 
 def show(job, key):
     """The pictures of a whole result, in frames/."""
-    for path in job.result(key):
+    for path in job.result(key) if job.said["pictures"] else []:
         place = job.path("frames", os.path.basename(path))
         if not (os.path.exists(place) and os.path.samefile(place, path)):
             files.publish(path, place)

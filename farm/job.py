@@ -61,6 +61,10 @@ class Job:
         """What runs an item anywhere."""
         return self.path("farm.pyz")
 
+    def shown(self):
+        """Where a user looks for what was made."""
+        return self.path("frames" if self.said["pictures"] else "results")
+
     def log(self, number):
         return self.path("log", f"{number}.log")
 
@@ -147,6 +151,8 @@ class Job:
 
 
 def name_of(number, item):
+    if item.get("name"):
+        return f"item {number} ({item['name']})"
     parts = [f"frame {item['frame']}"] if item.get("frame") is not None else []
     parts += [f"tile {','.join(map(str, item['tile']))}"] if item.get("tile") else []
     parts += ["samples {} to {}".format(item["share"][0], item["share"][1] - 1)] if item.get("share") else []

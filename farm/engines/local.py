@@ -114,7 +114,7 @@ def submit(job, numbers, _round=0):
     wrong = finish.merge(job)
     for line in wrong:
         print(line, file=sys.stderr)
-    print(f"{len(job.items) - len(job.missing())} of {len(job.items)} items are whole; frames are in {job.path('frames')}")
+    print(f"{len(job.items) - len(job.missing())} of {len(job.items)} items are whole; {'frames' if job.said['pictures'] else 'results'} are in {job.shown()}")
     return 1 if wrong else 0
 
 

@@ -19,9 +19,9 @@ import os
 
 import files
 
-from . import blender, povray, saved
+from . import blender, commands, povray, saved
 
-_BY_ENDING = {".shscene": saved, ".blend": blender, ".pov": povray}
+_BY_ENDING = {".shscene": saved, ".blend": blender, ".pov": povray, ".items": commands}
 
 
 def of(scene):

@@ -24,7 +24,7 @@ from native_scenes import scene  # noqa: E402
 from renderers import povray  # noqa: E402
 from shade_render import COMBINED, scene_file  # noqa: E402
 
-COST = 15
+COST = 17
 
 RENDER, POVRAY = ROOT / "build/shade-render", ROOT / "build/povray/povray"
 NAME = "kugel 球 1"  # what shells and sbatch would take apart
@@ -184,8 +184,22 @@ def test_dry_run_begins_nothing(saved, tmp_path):
     assert "sbatch --parsable" in said and "--array=0-1" in said and "--kill-on-invalid-dep=yes" in said and "--mem=4G" in said
 
 
+def test_commands(tmp_path):
+    """In their folder; one that fails is named."""
+    (tmp_path / "there").touch()
+    listed = tmp_path / "two.items"
+    listed.write_text(json.dumps({"folder": str(tmp_path), "inputs": ["there"], "items": [
+        {"name": "good", "words": ["cp", "there", "made"]}, {"name": "bad", "words": ["ls", "nowhere"]}]}))
+    said = farm("submit", listed, "-o", tmp_path / "a", status=1)
+    assert "item 1 (bad): ls ended with 2: ls: cannot access 'nowhere'" in said and (tmp_path / "made").exists() and "1 of 2 items are whole" in said
+    (tmp_path / "nowhere").touch()
+    assert f"2 of 2 items are whole; results are in {tmp_path / 'a/results'}" in farm("resume", tmp_path / "a")
+    listed.write_text('{"items": [{"name": "x", "words": "ls"}]}')
+    assert "JSON with folder, inputs and items" in farm("submit", listed, status=1)
+
+
 @pytest.mark.parametrize("words, status, said", [
-    (("x.png",), 1, "must end in .shscene, .blend, .pov"), (("no.pov",), 1, "no.pov: no such file"), (("{scene}", "--frames", "1-9"), 1, "is one frame"),
+    (("x.png",), 1, "must end in .shscene, .blend, .pov, .items"), (("no.pov",), 1, "no.pov: no such file"), (("{scene}", "--frames", "1-9"), 1, "is one frame"),
     (("{scene}", "--tiles", "9"), 2, "NxM was expected"), (("{scene}", "--tiles", "41x1"), 1, "40 pixels cannot be cut into 41 tiles"),
     (("{scene}", "--shares", "21"), 1, "20 samples cannot be cut into 21 shares"), (("{adaptive}", "--shares", "2"), 1, "--shares: the scene has adaptive"),
     (("{pov}", "--shares", "2"), 1, "POV-Ray's samples have no numbers"), (("{pov}", "--tiles", "2x2"), 1, "give +W and +H"),
