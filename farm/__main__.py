@@ -185,7 +185,8 @@ def status(options):
     missing = set(job.missing())
     engine = engines.of(job)
     queued, hangs = engine.state(job)
-    running = [number for number in missing if job.is_alive(number)]
+    now = job.now()
+    running = [number for number in missing if job.is_alive(number, now)]
     wrong = {number: files.read_json(job.path("failed", f"{number}.json")) for number in missing if number not in running}
     wrong = {number: told for number, told in wrong.items() if told}
     done = len(job.items) - len(missing)

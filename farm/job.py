@@ -103,9 +103,9 @@ class Job:
     def missing(self):
         return [number for number in range(len(self.items)) if not self.is_whole(str(number))]
 
-    def is_alive(self, number):
+    def is_alive(self, number, now):
         try:
-            return self.now() - os.path.getmtime(self.path("running", number)) < _ALIVE_SECONDS
+            return now - os.path.getmtime(self.path("running", number)) < _ALIVE_SECONDS
         except OSError:
             return False
 

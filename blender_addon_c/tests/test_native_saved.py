@@ -143,6 +143,16 @@ def test_tiles_merged_are_the_picture(tmp_path):
     assert set(made(tmp_path, path, "--merge", *parts, "--passes", "AO")) == {f"L.AO.{letter}" for letter in "RGB"}
 
 
+def test_denoising_comes_after_the_merge(tmp_path):
+    """By the simple filter, which needs no library: of the whole picture, across the edges of tiles."""
+    path = tmp_path / "s.shscene"
+    description = many_passes(samples=4, adaptive_threshold=0.0, use_denoising=True, denoiser="?none", region=(0, 0, 40, 24))[0]
+    scene_file.write(path, "L", [(description, [COMBINED, ("Noisy Image", "RGBA", "NOISY", 1.0)])])
+    found = made(tmp_path, path, "--merge", *shared(tmp_path, path, [("--tile", tile) for tile in ("0,0,20,24", "20,0,20,24")]))
+    assert_same(found, made(tmp_path, path))
+    assert (found["L.Combined.R"] != found["L.Noisy Image.R"]).any()
+
+
 @pytest.mark.parametrize("cuts", [(0, 1, 3, 17, 20), (0, 10, 20), (0, 4, 16, 20)])
 def test_shares_merged_are_the_picture(tmp_path, cuts):
     """But for rounding, however they are cut."""

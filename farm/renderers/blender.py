@@ -109,4 +109,10 @@ def merge(job, frame, parts, work, log):
 def pack(scene, _inputs, folder, options):
     place = os.path.join(folder, os.path.basename(scene))
     _ask(scene, options, "pack", place=place)
+    with tempfile.TemporaryDirectory(prefix="libshade-farm-") as other:
+        told = os.path.join(other, "about.json")
+        _ask(place, options, "examine", place=told)
+        for path in files.read_json(told)["inputs"]:
+            if path != place and os.path.isfile(path):
+                raise files.Refusal(f"{path}: Blender cannot pack it; submit without --pack, from a shared folder")
     return place
