@@ -7,6 +7,7 @@
 #   make render    build/shade-render, which renders scenes that Blender saved, without Blender
 #   make release   the add-on for every Linux with glibc 2.28 or later: build/release/libshade-blender.zip
 #   make farm      build/libshade-farm, which spreads frames, tiles and shares over machines
+#   make windows   libshade and the shade tool for Windows: build/release/libshade-VERSION-windows-x64.zip and SHA256SUMS
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make povray-package  it as a package for Debian, beside Debian's own, and as an archive that runs from any folder
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all, by a cluster with ENGINE=slurm
@@ -17,6 +18,7 @@
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall
 #   make abi       the interface of the library as a text, libshade/abi/libshade.abi, which a test compares it with
 #   make soak      all tests under sanitizers and as clang compiles them, a hundred million awkward cases, more of both renderers
+#   make soak-machines  library and tool compiled for Windows, and run by Wine
 #   make bench     speed against accuracy
 #   make bench-pairs BEFORE=COMMIT  whether a row of it is slower than that commit's
 #   make bench-frames BEFORE=COMMIT  whether a frame of an example scene takes longer than at that commit

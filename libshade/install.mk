@@ -122,7 +122,8 @@ install: all $(MAN1) $(MAN3)
 	@echo "$$SHADE_PC" >$(DESTDIR)$(PKGCONFIGDIR)/libshade.pc && \
 	  chmod 644 $(DESTDIR)$(PKGCONFIGDIR)/libshade.pc
 	@for file in $(CMAKE_PACKAGE); do \
-	  sed -e 's,@VERSION@,$(SHADE_VERSION),' -e 's,@MINOR@,$(basename $(SHADE_VERSION)),' -e 's,@SONAME@,$(SHADE_SONAME),' \
+	  sed -e 's,@VERSION@,$(SHADE_VERSION),' -e 's,@MINOR@,$(basename $(SHADE_VERSION)),' \
+	    -e 's,@SHARED@,$(SHADE_SHARED),' -e 's,@NAMED@,IMPORTED_SONAME "$(SHADE_SONAME)",' \
 	    -e 's,@LIB@,$(call seen_from,$(CMAKEDIR),$(LIBDIR)),' -e 's,@INCLUDE@,$(call seen_from,$(CMAKEDIR),$(INCLUDEDIR)),' \
 	    $(L)/cmake/$$file.in >$(DESTDIR)$(CMAKEDIR)/$$file && chmod 644 $(DESTDIR)$(CMAKEDIR)/$$file || exit 1; done
 

@@ -22,7 +22,8 @@ TARGET_IS_WINDOWS := $(filter 1,$(word 2,$(TARGET)))
 # how its programs are named, and what runs them here (windows.mk)
 EXE := $(if $(TARGET_IS_WINDOWS),.exe)
 RUN :=
-SYSTEM_CFLAGS := $(if $(TARGET_IS_WINDOWS),-D__USE_MINGW_ANSI_STDIO=1)
+# mingw-w64: C11's printf, and no warnings of its macro isfinite, which names a float of each argument
+SYSTEM_CFLAGS := $(if $(TARGET_IS_WINDOWS),-D__USE_MINGW_ANSI_STDIO=1 -Wno-float-conversion)
 SYSTEM_LIBS := $(if $(TARGET_IS_WINDOWS),-static,-ldl)
 # gcc has vectors on the stack of Windows where their aligned moves fault (its bug 54412)
 UNALIGNED := $(if $(TARGET_IS_WINDOWS),$(if $(CC_IS_GCC),-Wa$(COMMA)-muse-unaligned-vector-move))
@@ -244,7 +245,7 @@ SANITIZED_BUILD = NEEDS= B=$(B)/sanitized CFLAGS="-O1 $(SANITIZE)" ISA_LEVEL=-Og
 NUMBERS := accuracy continuity elementary fabric fabric_draw fabric_energy fabric_light furnace horizon lobes papers pdf sample
 SANITIZED_TESTS := $(filter-out $(NUMBERS:%=$(B)/test/%),$(DEAREST:%=$(B)/test/%) $(TESTS))
 # beside each other: the long test at the end of one leaves no processor idle
-CHECKS := check-plain check-sanitized check-headers check-threads check-clang
+CHECKS := check-plain check-sanitized check-headers check-threads check-clang check-door
 .PHONY: $(CHECKS) sanitized warnings
 check-libshade: $(CHECKS)
 check-plain: all test-libshade
@@ -262,8 +263,9 @@ check-threads: $(B)/shade
 WARNED := warnings
 check-clang:
 	$(Q)$(MAKE) B=$(B)/clang-warnings CC=clang CFLAGS=-fsyntax-only $(WARNED)
+WARNED_TESTS := $(wildcard $(L)/test/*.c)
 warnings: $(SHADE_OBJ) $(REF_OBJ) $(DUMP_OBJ) $(WHOLE_OBJ) $(TOOL_OBJ)
-	$(Q)$(CC) -std=c11 $(SHADE_WARN) -I$(L)/include -I$(L) $(EXR_CFLAGS) -fsyntax-only $(wildcard $(L)/test/*.c)
+	$(Q)$(CC) -std=c11 $(SHADE_WARN) $(SYSTEM_CFLAGS) -I$(L)/include -I$(L) $(EXR_CFLAGS) $(CFLAGS) -fsyntax-only $(WARNED_TESTS)
 
 # what asks too much of a day's check: all programs under sanitizers, and those that compilers differ in as clang's
 CLANG_RUNS := accuracy bsdf horizon hostile leaves sample
@@ -279,3 +281,4 @@ $(B)/soak.txt: $(B)/test/soak
 	@$< --cases 200000 >$@
 
 include $(L)/fuzz/fuzz.mk
+include $(L)/windows.mk

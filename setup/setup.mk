@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # What must be on the system: Debian packages and, in build/, Python environments with pinned packages.
-#   make setup-build setup-blender setup-povray setup-package setup-demo setup-test setup-peers setup-release
+#   make setup-build setup-blender setup-povray setup-package setup-demo setup-test setup-peers setup-release setup-windows
 # The system's own Python, once it is there. Wheels of bpy are each for one version of it: 3.11 on Debian 12, 3.13 on 13
 PYTHON3 := /usr/bin/python3
 PYTHON_VERSION = $(shell $(PYTHON3) -c 'import sys; print("%d.%d" % sys.version_info[:2])')
@@ -43,6 +43,9 @@ NEEDS_check-povray-package := $(NEEDS_povray-package) test
 NEEDS_check-povray-scenes := build povray test
 NEEDS_lint := lint
 NEEDS_release := build blender release
+NEEDS_windows := build windows
+NEEDS_check-windows := build windows test
+NEEDS_soak-machines := $(NEEDS_check-windows)
 NEEDS_fuzz := build blender test
 # what make must find when it starts; the rest is fetched and unpacked while these are compiled
 NEEDS_check := build blender
@@ -51,7 +54,7 @@ ifneq ($(NEEDS),)
 include $(NEEDS:%=$(S)/%.stamp)
 endif
 
-SETUPS := build blender povray package demo test lint peers release
+SETUPS := build blender povray package demo test lint peers release windows
 .PHONY: $(SETUPS:%=setup-%)
 $(SETUPS:%=setup-%): setup-%: $(S)/%.stamp
 
@@ -71,6 +74,7 @@ $(S)/demo.stamp: $(VENV)/done
 $(S)/test.stamp: $(VENV)/done $(VENV_BPY)/done
 $(S)/peers.stamp: $(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done
 $(S)/lint.stamp: $(VENV_LINT)/done
+$(S)/windows.stamp: $(B)/windows/debian/done
 $(S)/release.stamp: $(VENV_RELEASE)/done $(RELEASE_SOURCES)/done
 
 PINS = $<

@@ -18,7 +18,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     memcpy(text, data, size);
   text[size] = 0;
   double numbers[9];
-  long whole;
+  int64_t whole;
   int n[3], width, height;
   if (tool_parse_number(text, numbers) && !isfinite(numbers[0]))
     abort();

@@ -53,12 +53,12 @@ static void set_errno(void) {
  * beside it, comes near the 260 characters that it takes without.
  */
 static wchar_t *wide_name(const char *path) {
-  enum { NEAR = 200 };
+  enum { MUCH = 200 };
   wchar_t *given = shade_port_wide(path);
   if (!given)
     return NULL;
   const DWORD room = GetFullPathNameW(given, 0, NULL, NULL);
-  if (room < NEAR || !wcsncmp(given, L"\\\\?\\", 4) || !wcsncmp(given, L"\\\\.\\", 4))
+  if (room < MUCH || !wcsncmp(given, L"\\\\?\\", 4) || !wcsncmp(given, L"\\\\.\\", 4))
     return given;
   wchar_t *name = malloc((room + 8) * sizeof *name);
   if (name) {
@@ -78,6 +78,8 @@ static wchar_t *wide_name(const char *path) {
 FILE *shade_port_open(const char *path, const char *mode) {
   wchar_t *name = wide_name(path), *how = shade_port_wide(mode);
   FILE *file = name && how ? _wfopen(name, how) : NULL;
+  if (!file && errno == EACCES && shade_port_look(path, NULL) == SHADE_PORT_FOLDER)
+    errno = EISDIR;
   free(name);
   free(how);
   return file;

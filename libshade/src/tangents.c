@@ -573,7 +573,7 @@ static long solve(struct mesh *m, shade_each *each, void *pool) {
   each(pool, parts, share_piece, m);
   long without = 0;
   for (uint32_t i = 0; i < parts; ++i)
-    without += m->without[i];
+    without += (long)m->without[i];
   return without;
 }
 

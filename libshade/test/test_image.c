@@ -4,14 +4,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include "test/support.h"
 
-#include <dirent.h>
 #include <openexr.h>
 #include <png.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "image/image.h"
+#include "test/posix.h"
 
 static char folder[] = "/tmp/shade-image-XXXXXX";
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* COST = 0.1 */
 /* LIBSHADE_ISA: what is made ready runs on the instruction set that it names, to the last bit. */
-#define _POSIX_C_SOURCE 200809L /* setenv */
 #include <string.h>
 
 #include "shade/fabric.h"
 #include "model/fabric.h"
 #include "model/weave_private.h"
+#include "port/process.h"
 #include "support.h"
 
 enum { COUNT = 512 };
@@ -77,7 +77,7 @@ static void each(void **state) {
   fill();
   for (const shade_isa_table *isa; (isa = shade_isa_pick(rows)); rows++) {
     char wrong[160] = "nothing";
-    setenv(SHADE_ISA_VARIABLE, isa->name, 1);
+    shade_port_set_variable(SHADE_ISA_VARIABLE, isa->name);
     assert_int_equal(shade_isa_check(wrong, sizeof wrong), 0);
     assert_string_equal(wrong, "nothing");
     const uint64_t hash = runs_on(isa);
@@ -94,14 +94,14 @@ static void unset_or_unknown(void **state) {
   const char *const widest = shade_isa_pick(0)->name;
   static const char *const unknown[] = {"AVX2", "avx", "neon", "avx512 ", "0"};
   char wrong[160];
-  unsetenv(SHADE_ISA_VARIABLE);
+  shade_port_set_variable(SHADE_ISA_VARIABLE, NULL);
   assert_string_equal(shade_isa(), widest);
   assert_int_equal(shade_isa_check(wrong, sizeof wrong), 0);
-  setenv(SHADE_ISA_VARIABLE, "", 1);
+  shade_port_set_variable(SHADE_ISA_VARIABLE, "");
   assert_string_equal(shade_isa(), widest);
   assert_int_equal(shade_isa_check(wrong, sizeof wrong), 0);
   for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; i++) {
-    setenv(SHADE_ISA_VARIABLE, unknown[i], 1);
+    shade_port_set_variable(SHADE_ISA_VARIABLE, unknown[i]);
     assert_string_equal(shade_isa(), widest);
     assert_int_equal(shade_isa_check(wrong, sizeof wrong), -1);
     assert_non_null(strstr(wrong, unknown[i]));
@@ -111,7 +111,7 @@ static void unset_or_unknown(void **state) {
   char small[8];
   assert_int_equal(shade_isa_check(small, sizeof small), -1);
   assert_int_equal(strlen(small), sizeof small - 1);
-  unsetenv(SHADE_ISA_VARIABLE);
+  shade_port_set_variable(SHADE_ISA_VARIABLE, NULL);
 }
 
 int main(void) {

@@ -437,6 +437,14 @@ def test_sources_of_a_release(house, programs, tmp_path):
     assert log.count("dpkg-deb --extract libembree-dev_4.deb embree") == 1
 
 
+def test_sources_of_windows(house, programs, tmp_path):
+    root, environment = house("windows-sources.sh", "own_apt.sh"), programs(APT, "basename")
+    assert run(root / "setup/windows-sources.sh", env=environment).returncode == 2
+    done = run(root / "setup/windows-sources.sh", tmp_path / "sources", env=environment)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"source --only-source openexr libpng1.6 cmocka", (tmp_path / "log").read_text())
+
+
 def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
     root = house("chroot-demo.sh", files={"build/.keep": ""})
     stand_ins = {**APT, "id": 'cat "$HOME/user"', "debootstrap": 'mkdir -p "$3/etc/apt/apt.conf.d"', "apt-config": 'echo "Acquire::http::Proxy \\"p\\";"; echo "Dir \\"/\\";"',

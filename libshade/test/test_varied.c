@@ -168,7 +168,7 @@ static shade_params own(const shade_params *base, const arrays *a, int i, int co
 
 /* A direction in the frame whose x is the lane's groove. */
 static void turned(const arrays *a, const double (*w)[COUNT], int i, double v[3]) {
-  const double x = a->groove[0][i], y = a->groove[1][i], size = hypot(x, y);
+  const double x = a->groove[0][i], y = a->groove[1][i], size = sqrt(x * x + y * y);
   v[0] = (x * w[0][i] + y * w[1][i]) / size;
   v[1] = (x * w[1][i] - y * w[0][i]) / size;
   v[2] = w[2][i];

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+# `make windows`: libshade and shade for Windows on x86-64, as Debian's mingw-w64 compiles them:
+# build/release/libshade-VERSION-windows-x64.zip. Nothing of theirs is a DLL but libshade itself.
+# `make check-windows` runs their tests by Wine, or says that there is none.
+W := $(B)/windows
+WINDOWS_CC := x86_64-w64-mingw32-gcc-posix
+WINDOWS_AR := x86_64-w64-mingw32-ar
+WINDOWS_STRIP := x86_64-w64-mingw32-strip
+WINDOWS_SOURCES := $(W)/debian
+WINDOWS_NAME := libshade-$(SHADE_VERSION)-windows-x64
+WINDOWS_ZIP := $(B)/release/$(WINDOWS_NAME).zip
+WINE := /usr/lib/wine/wine64
+# no desktop, no Mono and no Gecko: these would be asked for when its folder is made
+WINE_RUN = WINEPREFIX=$(abspath $(W))/wine WINEDEBUG=-all WINEDLLOVERRIDES=mscoree,mshtml,winemenubuilder.exe= $(WINE)
+
+$(WINDOWS_SOURCES)/done: setup/windows-sources.sh | $(S)/windows.packages
+	@setup/windows-sources.sh $(@D)
+	@touch $@
+
+# Pictures and dumps: what others wrote, each as one archive. Headers that OpenEXR's own build would make are the system's
+WINDOWS_LIBS := $(patsubst %,$(W)/lib/lib%.a,png16 OpenEXRCore cmocka)
+$(W)/lib/libpng16.a: FROM = $(filter-out %/pngtest.c %/example.c,$(wildcard $(WINDOWS_SOURCES)/libpng1.6-*/*.c))
+$(W)/lib/libOpenEXRCore.a: FROM = $(wildcard $(WINDOWS_SOURCES)/openexr-*/src/lib/OpenEXRCore/*.c)
+$(W)/lib/libcmocka.a: FROM = $(wildcard $(WINDOWS_SOURCES)/cmocka-*/src/cmocka.c)
+$(W)/lib/libpng16.a: FLAGS = -I$(W)/include
+$(W)/lib/libOpenEXRCore.a: FLAGS = $(EXR_CFLAGS)
+$(W)/lib/libcmocka.a: FLAGS = -I$(wildcard $(WINDOWS_SOURCES)/cmocka-*/include) -DHAVE_STDLIB_H=1 -DHAVE_STRING_H=1 -DHAVE_STDINT_H=1 \
+  -DHAVE_INTTYPES_H=1 -DHAVE_MALLOC_H=1 -DHAVE_SIGNAL_H=1 -DHAVE_TIME_H=1 -DHAVE_IO_H=1 -DHAVE_GCC_THREAD_LOCAL_STORAGE=1 -D__USE_MINGW_ANSI_STDIO=1
+$(WINDOWS_LIBS): $(W)/lib/lib%.a: $(WINDOWS_SOURCES)/done $(L)/windows.mk
+	$(call say,compile  ,$@)
+	$(Q)rm -rf $(W)/obj/$* $@ && mkdir -p $(@D) $(W)/obj/$* $(W)/include
+	$(Q)cp $(WINDOWS_SOURCES)/libpng1.6-*/png.h $(WINDOWS_SOURCES)/libpng1.6-*/pngconf.h $(WINDOWS_SOURCES)/cmocka-*/include/cmocka.h $(W)/include
+	$(Q)cp $(WINDOWS_SOURCES)/libpng1.6-*/scripts/pnglibconf.h.prebuilt $(W)/include/pnglibconf.h
+	$(Q)for source in $(FROM); do \
+	  $(WINDOWS_CC) -O2 -w "-ffile-prefix-map=$(CURDIR)=." $(FLAGS) -c $$source -o $(W)/obj/$*/$$(basename $$source).o || exit 1; done
+	$(Q)$(WINDOWS_AR) rcsD $@ $(W)/obj/$*/*.o
+
+# no moment in what is linked: the same sources are the same bytes
+WINDOWS_MAKE = $(MAKE) --no-print-directory NEEDS= B=$(W) CC="$(WINDOWS_CC)" AR=$(WINDOWS_AR) LDFLAGS="-s -Wl,--no-insert-timestamp" \
+  OIIO_LIBS= OIIO_MODULE= EXR_CFLAGS="$(filter -I%,$(EXR_CFLAGS))" EXR_LIBS="-L$(W)/lib -lOpenEXRCore -lz" \
+  PNG_CFLAGS=-I$(W)/include PNG_LIBS="-L$(W)/lib -lpng16 -lz" \
+  CMOCKA_LIBS="-I$(W)/include -Wno-format -Wno-format-extra-args -L$(W)/lib -lcmocka" RUN="$(WINE_RUN)"
+WINDOWS_DLL := libshade-$(basename $(SHADE_VERSION)).dll
+.PHONY: windows windows-built
+windows: $(WINDOWS_ZIP)
+windows-built: $(WINDOWS_LIBS)
+	$(Q)+$(WINDOWS_MAKE) $(W)/shade.exe $(W)/$(WINDOWS_DLL)
+
+# programs in bin, with the DLL beside them; what is seen from lib is written so that the folder can lie anywhere
+WINDOWS_STAGE := $(W)/$(WINDOWS_NAME)
+define WINDOWS_PC
+prefix=$${pcfiledir}/../..
+libdir=$${prefix}/lib
+includedir=$${prefix}/include
+
+Name: libshade
+Description: Anisotropic shading whose microfacet distribution follows the perturbed normal
+Version: $(SHADE_VERSION)
+Cflags: -I$${includedir}
+Libs: -L$${libdir} -lshade
+Libs.private: -lm
+endef
+export WINDOWS_PC
+# of what is linked into shade.exe; winpthreads' is in that of mingw-w64
+WINDOWS_LICENCES := $(WINDOWS_SOURCES)/libpng1.6-*/LICENSE $(WINDOWS_SOURCES)/openexr-*/LICENSE.md \
+  /usr/share/doc/libz-mingw-w64-dev/copyright /usr/share/doc/mingw-w64-common/copyright /usr/share/doc/gcc-mingw-w64-base/copyright
+$(WINDOWS_ZIP): windows-built $(INSTALLED_HEADERS) $(L)/windows.mk $(CMAKE_PACKAGE:%=$(L)/cmake/%.in)
+	$(call say,zip      ,$@)
+	$(Q)rm -rf $(WINDOWS_STAGE) && mkdir -p $(@D) $(addprefix $(WINDOWS_STAGE)/,bin include/shade lib/pkgconfig lib/cmake/libshade licences)
+	$(Q)cp $(W)/shade.exe $(W)/$(WINDOWS_DLL) $(WINDOWS_STAGE)/bin
+	$(Q)cp $(W)/libshade.a $(W)/libshade.dll.a $(W)/libshade.def $(WINDOWS_STAGE)/lib
+	$(Q)$(WINDOWS_STRIP) --strip-debug --enable-deterministic-archives $(WINDOWS_STAGE)/lib/libshade.a
+	$(Q)cp $(INSTALLED_HEADERS) $(WINDOWS_STAGE)/include/shade
+	$(Q)cp LICENSES/Apache-2.0.txt $(WINDOWS_STAGE)/LICENSE.txt
+	$(Q)for file in $(WINDOWS_LICENCES); do cp $$file $(WINDOWS_STAGE)/licences/$$(basename $$(dirname $$file)).txt || exit 1; done
+	@echo "$$WINDOWS_PC" >$(WINDOWS_STAGE)/lib/pkgconfig/libshade.pc
+	@for file in $(CMAKE_PACKAGE); do \
+	  sed -e 's,@VERSION@,$(SHADE_VERSION),' -e 's,@MINOR@,$(basename $(SHADE_VERSION)),' -e 's,@LIB@,../..,' -e 's,@INCLUDE@,../../../include,' \
+	    -e 's,@SHARED@,../bin/$(WINDOWS_DLL),' -e 's,@NAMED@,IMPORTED_IMPLIB "$${_libshade_lib}/libshade.dll.a",' \
+	    $(L)/cmake/$$file.in >$(WINDOWS_STAGE)/lib/cmake/libshade/$$file || exit 1; done
+	$(Q)$(PYTHON3) blender_addon_c/package.py $@ $(WINDOWS_STAGE) $$(find $(WINDOWS_STAGE) -type f)
+	$(Q)cd $(@D) && sha256sum *.zip >SHA256SUMS
+
+# All of the library's tests but those of signals and of stacks, which are POSIX's own; then those of programs
+WINDOWS_TESTS := $(filter-out soak stack,$(TESTS:$(B)/test/%=%))
+.PHONY: check-windows soak-machines
+check-windows: $(WINDOWS_ZIP) $(VENV)/done
+	$(Q)+$(WINDOWS_MAKE) $(WINDOWS_TESTS:%=$(W)/test/%.exe.run)
+	@$(PY) -m pytest -q $(L)/test/test_windows.py
+# `make soak-machines`: what is made here for other machines, run as they would
+soak-machines: check-windows
+
+# Of that `make check` takes what is cheap: all that Windows would compile, and the door to the system, which runs. Where
+# there is no mingw-w64 or no Wine it says so (.ci/run fetches them)
+WINDOWS_HERE = $(and $(shell command -v $(WINDOWS_CC)),$(wildcard $(WINE)),$(wildcard $(WINDOWS_SOURCES)/done))
+.PHONY: check-door check-door-here windows-fetched
+check-door: | $(if $(SMOKE),windows-fetched)
+	@$(MAKE) --no-print-directory NEEDS= check-door-here
+ifneq ($(WINDOWS_HERE),)
+check-door-here: $(W)/door.exe
+	$(Q)$(WINE_RUN) $< 2>&1
+	$(Q)+$(WINDOWS_MAKE) B=$(B)/windows-warnings CFLAGS="-fsyntax-only -I$(W)/include -Wno-format -Wno-format-extra-args" \
+	  WARNED_TESTS="$(WINDOWS_TESTS:%=$(L)/test/test_%.c)" warnings
+else
+check-door-here:
+	@echo "check: libshade for Windows is not looked at: make setup-windows"
+endif
+windows-fetched: | $(S)/demo.packages
+	@$(MAKE) --no-print-directory NEEDS= $(S)/windows.packages $(WINDOWS_SOURCES)/done || \
+	  echo "setup: what make windows needs can't be had: its tests are skipped" >&2
+DOOR := $(wildcard $(L)/port/*.c) $(L)/dump/whole.c
+$(W)/door.exe: $(L)/test/test_port.c $(DOOR) $(W)/lib/libcmocka.a $(wildcard $(L)/port/*.h $(L)/test/posix.h)
+	$(call say,compile  ,$@)
+	$(Q)$(WINDOWS_CC) -O1 -std=c11 -Wall -Wextra -Wconversion -Wno-float-conversion $(WERROR) -D__USE_MINGW_ANSI_STDIO=1 -I$(W)/include \
+	  -I$(L)/include -I$(L) $< $(DOOR) -L$(W)/lib -lcmocka -pthread -static -o $@
