@@ -82,8 +82,25 @@ bool Cloth::transmits() const {
   return false;
 }
 
+namespace {
+
+// Whether the yarns of one direction touch each other everywhere.
+bool is_tight(const shade_yarn_params &yarn, const shade_thread *threads, int count) {
+  for (int i = 1; i < count; i++)
+    if (threads[i].thickness != threads[0].thickness || threads[i].spacing != threads[0].spacing)
+      return false;
+  return yarn.gap == 0.0 && yarn.slub == 0.0;
+}
+
+} // namespace
+
 bool Cloth::open() const {
-  return material.backing[0] == 0.0 && material.backing[1] == 0.0 && material.backing[2] == 0.0;
+  const bool lit_behind =
+      material.backing[0] > 0.0 || material.backing[1] > 0.0 || material.backing[2] > 0.0;
+
+  return !lit_behind &&
+         !is_tight(yarns.warp, draft ? draft->warp : NULL, draft ? draft->ends : 0) &&
+         !is_tight(yarns.weft, draft ? draft->weft : NULL, draft ? draft->picks : 0);
 }
 
 std::string Cloth::json(int id, const char *name) const {

@@ -36,7 +36,7 @@ struct Cloth {
   std::string settle();
   double per_unit(int axis) const;
   bool transmits() const;
-  // What of a ray may pass between the yarns?
+  // Whether some of a ray may pass between the yarns: gaps in both directions, and nothing behind.
   bool open() const;
 
   // As the header of a dump has it. Throws std::bad_alloc.

@@ -4,6 +4,7 @@
 #include "backend/frame.h"
 #include "backend/mdf/notes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <vector>
@@ -142,16 +143,17 @@ void beside(const FINISH &f, const mdf::Material &m, std::ostream &text) {
 
 std::string Mdf_Slopes_Note(const mdf::Material &m) {
   const double *const v = m.params.slopes, most = std::sqrt(v[2] * v[4]);
+  const bool leans = v[0] * v[0] + v[1] * v[1] > 0.05 * 0.05 * (v[2] + v[4]);
+  const bool askew = std::fabs(v[3]) > 0.05 * most;
   std::ostringstream text;
 
+  text.precision(3); // as a block takes them; + 0.0: no -0
+  text << "  slopes " << (leans ? v[0] + 0.0 : 0.0) << ", " << (leans ? v[1] + 0.0 : 0.0) << ", "
+       << v[2] << ", " << (askew ? std::min(std::max(v[3], -0.99 * most), 0.99 * most) : 0.0)
+       << ", " << v[4]; // rounded, xy may not be beyond the others
   text.precision(2);
-  text << "  slopes " << std::sqrt(v[2]) << ", " << std::sqrt(v[4])
-       << " (deviations along the strokes and across)";
-  if (std::fabs(v[3]) > 0.05 * most)
-    text << ", correlation " << v[3] / most;
-  if (v[0] * v[0] + v[1] * v[1] > 0.05 * 0.05 * (v[2] + v[4]))
-    text << ", mean " << v[0] + 0.0 << ", " << v[1] + 0.0; // no -0
-  text << "\n";
+  text << " (deviations " << std::sqrt(v[2]) << " along the strokes, " << std::sqrt(v[4])
+       << " across)\n";
   return text.str();
 }
 

@@ -549,8 +549,8 @@ def test_notes_tell_a_block_once(render):
 
 def test_notes_tell_each_block_what_it_says(render):
     """Of cloths, strokes and rays: as the scene has them, or what a number was cut to."""
-    blocks = ["fabric { weave \"plain\" crossings <30, 20> warp { diffuse rgb <.1, .2, .3> } weft { diffuse pigment } }",
-              "fabric { ends_per_cm 7 picks_per_cm 3 mm_per_unit 50 warp { diffuse pigment } weft { diffuse rgb .4 } }",
+    blocks = ["fabric { weave \"plain\" crossings <30, 20> yarns { width .8 } weft { gap .2 } warp { diffuse rgb <.1, .2, .3> } weft { diffuse pigment } }",
+              "fabric { ends_per_cm 7 picks_per_cm 3 mm_per_unit 50 yarns { gap .2 } warp { diffuse pigment } weft { diffuse rgb .4 } }",
               "ggx .1, .3 tangent <0, 1, 0> specular pigment multiscatter on", "ward .2, .2 tangent radial <0, 0, 1> at <1, 2, 3>",
               *(f"ggx .2, .2 reflection {{ samples {n} }}" for n in (1, 4090, 4096, 4097, .5))]
     text = "".join(f"sphere {{ {9 * k}*y, 1 texture {{ pigment {{ rgb .5 }} finish {{ ambient 0 diffuse 0 mdf {{ {block} notes on }} }} }} }}\n"
@@ -560,11 +560,12 @@ def test_notes_tell_each_block_what_it_says(render):
     assert len(told) == len(blocks)
     for part, words in zip(told, (
             ("weave plain, 30 x 20 crossings on a unit", "warp: diffuse rgb <0.1, 0.2, 0.3>; weft: diffuse pigment"),
-            ("35 x 15 crossings on a unit", "warp: diffuse pigment; weft: diffuse rgb 0.4"),
+            ("35 x 15 crossings on a unit", "warp: diffuse pigment; weft: diffuse rgb 0.4 rays pass between its yarns"),
             ("lobe: ggx 0.1, 0.3", "valid_estevez, multiscatter on", "specular pigment", "strokes: along <0, 1, 0> of the texture's space"),
             ("lobe: ward 0.2, 0.2", "strokes: round <0, 0, 1> at <1, 2, 3> of the texture's space"),
             *((f"reflection: {n} rays at a hit",) for n in (1, 4090, 4096, 4096, 1)))):
         assert all(word in part for word in words), (words, part)
+    assert "rays pass" not in told[0]  # no gaps in the warp
     said = [words for words in log.split("Warning") if "reflection samples" in words]
     assert len(said) == 2 and "4097" in said[0] and "0.5" in said[1], said
 
