@@ -67,6 +67,18 @@ std::string no_number(TOKEN id, const char *text, const char *name) {
   }
 }
 
+// Whether a colour begins with this token. POV-Ray takes what begins with any other for black.
+bool begins_colour(TOKEN id) {
+  static const TOKEN begin[] = {
+      COLOUR_KEY_TOKEN, COLOUR_ID_TOKEN,   VECTFUNCT_ID_TOKEN, VECTOR_FUNCT_TOKEN, LEFT_ANGLE_TOKEN,
+      U_TOKEN,          V_TOKEN,           UV_ID_TOKEN,        VECTOR_4D_ID_TOKEN, SPLINE_ID_TOKEN,
+      LEFT_PAREN_TOKEN, FLOAT_FUNCT_TOKEN, PLUS_TOKEN,         DASH_TOKEN,         FUNCT_ID_TOKEN,
+      EXCLAMATION_TOKEN};
+
+  return std::find(begin, begin + sizeof begin / sizeof *begin, id) !=
+         begin + sizeof begin / sizeof *begin;
+}
+
 // What the name of a token is that of: where a file ends, its function is that of the one before.
 TOKEN named_by(TOKEN id, TOKEN function) {
   return id == END_OF_FILE_TOKEN ? id : function;
@@ -90,10 +102,18 @@ void Parser::Declare_Mdf_Version() {
   *reinterpret_cast<DBL *>(entry->Data) = 8.0;
 }
 
-// Loops and macros parse the same block many times: once is enough.
-void Parser::Warn_Mdf(const std::string &text) {
-  if (sceneData->mdfScene->first_warning(text))
-    Warning(0, "mdf: %s", text.c_str());
+// Loops and macros parse the same block many times: once is enough. of_operand: about what was read
+// last, whose line is told; the parser is a token further, perhaps in another file.
+void Parser::Warn_Mdf(const std::string &text, bool of_operand) {
+  if (!sceneData->mdfScene->first_warning(text))
+    return;
+  const Token_Struct ahead(Token);
+  if (of_operand && Mdf_Operand.FileHandle == Token.FileHandle) {
+    Token.Token_File_Pos = Mdf_Operand.Token_File_Pos;
+    Token.Token_Col_No = Mdf_Operand.Token_Col_No;
+  }
+  Warning(0, "mdf: %s", text.c_str());
+  Token = ahead;
 }
 
 // A number, or a colour, that was out of range.
@@ -108,7 +128,7 @@ void Parser::Warn_Mdf_Numbers(const std::string &what, int count, const double *
              written[1], written[2], taken[0], taken[1], taken[2]);
   else
     snprintf(text, sizeof text, " is %g; it is taken as %g.", written[0], taken[0]);
-  Warn_Mdf(what + text);
+  Warn_Mdf(what + text, true);
 }
 
 void Parser::Warn_Mdf_Number(const std::string &what, double written, double taken) {
@@ -182,6 +202,7 @@ bool Parser::Is_Mdf_Word_Declared() {
 // Where a number or a text is due, a word of the block that the scene has declared is the scene's.
 void Parser::Get_Mdf_Operand() {
   Get_Token();
+  Mdf_Operand = Token;
   if (Token.Token_Id != MDF_WORD_TOKEN || !Is_Mdf_Word_Declared())
     return;
   Token.Token_Id = END_OF_FILE_TOKEN;
@@ -225,20 +246,24 @@ bool Parser::Next_Mdf_Word(mdf::WordSet words, std::string &last) {
 // messages; of: the word that they follow, where that is another one.
 void Parser::Parse_Mdf_Numbers(const std::string &what, int count, double *v,
                                const std::string &of) {
-  const char *const kind = (count == 3) ? "a colour" : "a number";
+  const std::string needed =
+      (of.empty() ? "" : of + ": ") + what + " needs " + (count == 3 ? "a colour" : "a number");
 
   Get_Mdf_Operand();
   if (count == 3 && Token.Token_Id == COLOUR_TOKEN) // alone POV-Ray takes it for black
     Get_Mdf_Operand();
   std::string found =
       no_number(Token.Token_Id, Token.Token_String, Get_Token_String(Token.Token_Id));
-  if (count == 1 && (Token.Token_Id == COLOUR_TOKEN || Token.Token_Id == COLOUR_KEY_TOKEN))
+  const bool wrong = count == 3
+                         ? !begins_colour(Token.Token_Id)
+                         : Token.Token_Id == COLOUR_TOKEN || Token.Token_Id == COLOUR_KEY_TOKEN;
+  if (found.empty() && wrong)
     found = Get_Token_String(named_by(Token.Token_Id, Token.Function_Id));
   if (!found.empty())
-    Error("mdf: %s needs %s, %s found instead.", what.c_str(), kind, found.c_str());
+    Error("mdf: %s, %s found instead.", needed.c_str(), found.c_str());
   Unget_Token();
 
-  const mdf::NoteScope due(Mdf_Due, (of.empty() ? "" : of + ": ") + what + " needs " + kind);
+  const mdf::NoteScope due(Mdf_Due, needed);
   if (count == 3) {
     RGBColour colour;
     Parse_Colour(colour);
@@ -323,10 +348,12 @@ void Parser::Warn_Mdf_Width(const mdf::Material &material, int row, int mdf,
   shade_params_get(&material.params, row, v);
   if (exponents ? v[0] > 0.0 && v[0] < 1.0 : v[0] > 1.0)
     Warn_Mdf(what + " (" + material.name + ") is " + mdf::text_of(v[0]) +
-             (exponents ? ": below 1 there is no highlight left; alphas are read by ggx, beckmann "
-                          "and ward."
-                        : ": above 1 there is no highlight left; exponents are read by "
-                          "ashikhmin_shirley."));
+                 (exponents
+                      ? ": below 1 there is no highlight left; alphas are read by ggx, beckmann "
+                        "and ward."
+                      : ": above 1 there is no highlight left; exponents are read by "
+                        "ashikhmin_shirley."),
+             true);
 }
 
 // The numbers that a choice reads, in the order of the table.
@@ -365,7 +392,8 @@ void Parser::Parse_Mdf_Roughness(mdf::Material &material) {
         r = 1.0 / info.maximum;
       } else if (r > 1.0)
         Warn_Mdf("roughness (" + material.name + ") is " + mdf::text_of(r) +
-                 ": above 1 there is no highlight left.");
+                     ": above 1 there is no highlight left.",
+                 true);
     }
     const double exponent = 1.0 / r;
     shade_params_set(&material.params, rows[i], &exponent);
@@ -652,8 +680,8 @@ void Parser::Fill_Mdf_Defaults(shade_params &params, unsigned int stated, const 
 
 void Parser::Parse_Mdf(FINISH *finish) {
   mdf::Material material;
-  std::string of_metal;  // the first word of this block that only metals read
-  bool coloured = false; // by `specular`
+  std::vector<std::string> of_metal; // the words of this block that only metals read
+  bool coloured = false;             // by `specular`
 
   Get_Token();
   if (Token.Function_Id == OFF_TOKEN) {
@@ -677,8 +705,9 @@ void Parser::Parse_Mdf(FINISH *finish) {
 
     while (Next_Mdf_Word(mdf::WORDS_BLOCK, last)) {
       word = Token.Function_Id;
-      if (of_metal.empty() && mdf::is_of_metal(word))
-        of_metal = Token.Token_String;
+      if (mdf::is_of_metal(word) &&
+          std::find(of_metal.begin(), of_metal.end(), last) == of_metal.end())
+        of_metal.push_back(last);
       coloured = coloured || last == "specular";
       if (word == mdf::BLOCK_TANGENT) {
         Parse_Mdf_Tangent(material);
@@ -713,8 +742,9 @@ void Parser::Parse_Mdf(FINISH *finish) {
   Parse_End();
   Fill_Mdf_Defaults(material.params, material.cloth ? ~0u : material.stated, material.name);
   if (material.cloth && !of_metal.empty())
-    Warn_Mdf("'" + of_metal + "' (" + material.name +
-             ") has no part in a cloth; what its yarns are is said inside fabric { }.");
+    Warn_Mdf(mdf::quoted(of_metal) + " (" + material.name + ") " +
+             (of_metal.size() > 1 ? "have" : "has") +
+             " no part in a cloth; what its yarns are is said inside fabric { }.");
 
   if (coloured && !material.cloth && material.params.fresnel == SHADE_FRESNEL_CONDUCTOR)
     Warn_Mdf("'specular' (" + material.name +

@@ -152,7 +152,8 @@ std::string name_of_row(int row, shade_list list, int value) {
 
   shade_param_row(row, &info);
   if (list == SHADE_LIST_MDF)
-    return std::string(info.word[0] == 'e' ? "exponent " : "alpha ") + info.word;
+    return std::string(info.word[0] == 'e' ? "exponent " : "alpha ") +
+           (info.word[1] == 'x' ? "along" : "across");
   if (rows_of_choice(list, value).size() > 1)
     return name + " " + choice + "'s " + info.word;
   return choice == info.word ? name + " " + choice : name;
@@ -335,13 +336,22 @@ std::vector<WordSet> others_than(WordSet set) {
   return others;
 }
 
+// Where a word belongs that was found in place of one of `set`: in this other one, and in another
+// if both are as near.
+std::string place_from(WordSet set, WordSet other, const std::string &word) {
+  const bool also =
+      other == WORDS_FABRIC && set != WORDS_YARN && find_word(WORDS_SCRATCHES, word.c_str()) >= 0;
+
+  return place_of(other) + (also ? " or scratches { }" : "");
+}
+
 // "'crimp' belongs in warp { } …", of a word of another place, or "".
 std::string belongs(WordSet set, const std::string &text) {
   const std::vector<WordSet> others = others_than(set);
 
   for (size_t i = 0; i < others.size(); i++)
     if (find_word(others[i], text.c_str()) >= 0)
-      return "'" + text + "' " + place_of(others[i]);
+      return "'" + text + "' " + place_from(set, others[i], text);
   return "";
 }
 
@@ -392,7 +402,7 @@ std::string hint_for_misspelt(WordSet set, const std::string &text) {
     const size_t slips = distance(nearest, text);
     if (!nearest.empty() && slips < least) {
       least = slips;
-      hint = "did you mean '" + nearest + "', which " + place_of(others[i]) + "?";
+      hint = "did you mean '" + nearest + "', which " + place_from(set, others[i], nearest) + "?";
     }
   }
   return hint;
@@ -407,6 +417,14 @@ std::string hint_outside(const std::string &text) {
     if (set != WORDS_RADIAL && find_word((WordSet)set, text.c_str()) >= 0)
       return "a word of that name stands in mdf { } of a finish.";
   return "";
+}
+
+std::string quoted(const std::vector<std::string> &words) {
+  std::string text;
+
+  for (size_t i = 0; i < words.size(); i++)
+    text += (i == 0 ? "'" : i + 1 < words.size() ? ", '" : " and '") + words[i] + "'";
+  return text;
 }
 
 std::string text_of(double number) {

@@ -105,7 +105,7 @@ std::vector<int> rows_of_choice(shade_list list, int value);
 // Whether a word of WORDS_BLOCK has no part in a cloth.
 bool is_of_metal(int word);
 
-// What messages call a row that follows a choice: "alpha ax", "fresnel conductor's k".
+// What messages call a row that follows a choice: "alpha along", "fresnel conductor's k".
 std::string name_of_row(int row, shade_list list, int value);
 
 // What a block calls a row that every choice reads.
@@ -141,6 +141,9 @@ std::string hint_for(WordSet set, const std::string &text, const std::string &af
 std::string hint_for_misspelt(WordSet set, const std::string &text);
 // The same for something found outside of a block.
 std::string hint_outside(const std::string &text);
+
+// "'ggx', 'specular' and 'tangent'".
+std::string quoted(const std::vector<std::string> &words);
 
 // A number as messages have it.
 std::string text_of(double number);
