@@ -17,10 +17,10 @@ box { <-5, 1.5, -7.1>, <-2, 6, -7> pigment { rgb 2.4 } finish { ambient 0 diffus
   sphere { 0, .68 texture { pigment { rgb 0 } finish { Finish } } rotate <-30, 20, 0> translate <1.6*(Column - 1.5), .7 + 1.5*Row, .5*Row> }
 #end
 
-// A metal's preset tells its colour by an index of refraction: `fresnel schlick` reads `specular` in its place.
+// A metal's preset tells its colour by an index of refraction: `specular` after it takes its place.
 Ball(0, 1, finish { MDF_F_Brushed_Aluminium })
-Ball(1, 1, finish { MDF_F_Brushed_Aluminium mdf { fresnel schlick specular rgb <.55, .03, .03> } }) // anodised
-Ball(2, 1, finish { MDF_F_Brushed_Aluminium mdf { fresnel schlick specular rgb <.02, .09, .40> } })
+Ball(1, 1, finish { MDF_F_Brushed_Aluminium mdf { specular rgb <.55, .03, .03> } }) // anodised
+Ball(2, 1, finish { MDF_F_Brushed_Aluminium mdf { specular rgb <.02, .09, .40> } })
 Ball(3, 1, finish { MDF_F_Brushed_Aluminium mdf { fresnel conductor <2.923, 2.92, 2.547>, <3.077, 2.937, 2.75> } }) // iron
 
 Ball(0, 0, finish { MDF_F_Denim })
