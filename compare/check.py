@@ -18,6 +18,7 @@ top). Exit status: 0 all within limits; 1 not, or bad input, or a program that f
 import argparse
 import json
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -63,14 +64,16 @@ def against_reference(path, kind, every):
     command = [programs.SHADE, "check", "--json", "--tolerance", str(largest),
                "--mean-tolerance", str(mean), *(["--all"] if every else []), str(path)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        # on a terminal it shows how far it is there, and what is wrong
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=None if sys.stderr.isatty() else subprocess.PIPE,
+                              text=True, check=False)
     except OSError as error:
         raise report.StepFailed(f"{programs.SHADE}: {error.strerror}: run make, or name another "
                                 "`shade` by SHADE in the environment") from error
     try:
         return json.loads(done.stdout)
     except ValueError as error:
-        said = done.stderr.strip() or f"`shade check` left with status {done.returncode}"
+        said = (done.stderr or "").strip() or f"`shade check` left with status {done.returncode}"
         raise report.StepFailed(said if str(path) in said else f"{path}: {said}") from error
 
 

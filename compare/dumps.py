@@ -46,15 +46,18 @@ def read(path):
     """Read a dump; OSError or ValueError with the file's name if it is none."""
     source = oiio.ImageInput.open(str(path))
     if source is None:
-        raise OSError(f"{path}: {oiio.geterror()}")
+        raise OSError(f"{path}: {(oiio.geterror() or 'cannot be read').splitlines()[-1]}")
     try:
         spec = source.spec()
         text = spec.getattribute("libshade")
         pixels = source.read_image(format=oiio.FLOAT)
+        said = source.geterror()
     finally:
         source.close()
-    if text is None or pixels is None:
+    if text is None:
         raise ValueError(f"{path}: not a dump (no attribute `libshade`)")
+    if pixels is None:
+        raise ValueError(f"{path}: truncated or corrupt: {said}")
     planes = dict(zip(spec.channelnames, np.moveaxis(np.asarray(pixels, np.float64), -1, 0)))
 
     def channels(name, parts):

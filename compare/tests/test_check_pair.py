@@ -220,9 +220,10 @@ def test_files_that_are_none(tmp_path):
     (tmp_path / "text.exr").write_text("not a picture", encoding="utf-8")
     whole = files[1].read_bytes()
     (tmp_path / "half.exr").write_bytes(whole[: len(whole) // 2])
-    for name in ("none", "text", "half"):
+    (tmp_path / "head.exr").write_bytes(whole[:300])
+    for name, said in (("text", "text.exr"), ("half", "half.exr: truncated or corrupt"), ("head", "head.exr")):
         status, words = refused(files[0], tmp_path / f"{name}.exr")
-        assert status == 1 and f"{name}.exr" in words
+        assert status == 1 and said in words and words.count("\n") == 1
     status, words = refused(tmp_path / "none.exr", files[0])
     assert status == 1 and "none.exr" in words
 
