@@ -325,9 +325,20 @@ def test_materials():
     ours, (params,) = older.replace(brdf="auto").__reduce__()
     for size, brdf in ((_library.DEFAULTS_AT, "ashikhmin_shirley"), (_library.DEFAULTS_AT + 8, "auto")):  # without and with `defaults`
         assert ours(size.to_bytes(8, sys.byteorder) + params[8:size]).json()["brdf"] == brdf
+    # multiscatter where nothing reads it is told, once
+    with pytest.warns(UserWarning, match="multiscatter on changes nothing with mdf ward and brdf auto; it needs mdf ggx or beckmann"):
+        deaf = shade.Material(mdf="ward", multiscatter="on")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert deaf.replace(ax=.2).replace(mdf="ggx").multiscatter == "on" and pickle.loads(pickle.dumps(deaf)).mdf == "ward"
+        with pytest.raises(UserWarning, match="with mdf ggx and brdf ward_dur"):
+            shade.Material(mdf="ggx", brdf="ward-dur", multiscatter="on")
     gold = shade.Material(metal="gold")
     assert gold.fresnel == "conductor" and gold.k == shade.metals()["gold"].k
     assert shade.Material(preset="brushed_steel").ex > 100
+    conventions = _library.words(_library.LIB.shade_roughness_row)
+    page = (ROOT / "docs/library/python.md").read_text()
+    assert len(conventions) == 6 and all(f"`{word}`" in page and word in shade.Material.__doc__ for word in conventions)
     # KHR_materials_anisotropy: alpha along the tangent is mix(a, 1, strength^2), across it a = r^2
     gltf = shade.Material(roughness=("gltf", 0.5, 0.3))
     assert sorted([gltf.ax, gltf.ay]) == pytest.approx([0.25, 0.25 + 0.75 * 0.09])

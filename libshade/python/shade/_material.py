@@ -3,6 +3,7 @@
 import ctypes
 import functools
 import json
+import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -115,13 +116,17 @@ class Material(Fixed):
 
     :param preset: a metal of `shade.presets()`
     :param metal: a word of `shade.metals()`
-    :param roughness: (convention, roughness, anisotropy), as another program states it: roughness in [0, 1], anisotropy in [-1, 1]
+    :param roughness: (convention, roughness, anisotropy), as another program states it: roughness in [0, 1], anisotropy in [0, 1], or
+        in [-1, 1] for Blender Glossy. The convention is blender_principled, blender_glossy, blender_glossy_2_79, gltf, materialx or
+        openpbr
     :param slopes: of the map, for horizon mutual: its mean slope x, y, and the second moment of slopes about it, xx, xy, yy
     :param defaults: the version of the defaults, 0 for those of libshade 0.2 (brdf ashikhmin_shirley, not auto); without it the newest
     :param fast: a word of older versions, read no more
     :param values: choices as words, numbers within their range, colours as one number or three
     :raises ValueError: for a number out of its range or an unknown word
     :raises TypeError: for an unknown name
+
+    `multiscatter="on"` needs mdf ggx or beckmann, and brdf auto or microfacet. Elsewhere it changes nothing, and a warning says so.
 
     >>> gold = shade.Material(mdf="ggx", ax=.1, ay=.4, metal="gold")
     >>> gold.fresnel, gold.ay
@@ -167,6 +172,10 @@ class Material(Fixed):
         _no_axis_twice(values)
         for name, value in values.items():
             self._set_one(name, value)
+        if {"mdf", "brdf", "multiscatter"} & {*values} and self.multiscatter == "on" and not (
+                self.mdf in ("ggx", "beckmann") and self.brdf in ("auto", "microfacet")):
+            warnings.warn(f"multiscatter on changes nothing with mdf {self.mdf} and brdf {self.brdf}; it needs mdf ggx or beckmann, and "
+                          "brdf auto or microfacet", stacklevel=3)
         self._bsdf = structs.Bsdf()
         LIB.shade_bsdf_setup(ctypes.byref(self._bsdf), self._params)
 
