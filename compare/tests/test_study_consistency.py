@@ -120,6 +120,8 @@ def test_far_cloth_over_its_limit_is_said_by_name(rows):
     cloth = {**good[0], "scene": "cloth", "ok": 0, "missed": "", "far_values": 1000, "far_over": 3, "far_sum": 0.01}
     finding = study.finding_reference([*good, cloth])
     assert finding.holds and "20 of 21 dumps" in finding.text and "cloth (3 of 1000 values of cloth from afar)" in finding.text
+    assert study.cell([cloth], "error", "{:.0e}".format).startswith("MISSED, ")
+    assert study.cell([cloth], "error", "{:.0e}".format).endswith(" (3 of 1000 values of cloth from afar)")
     assert study.finding_reference([*good, cloth, cloth]).holds and not study.finding_reference([*good, *[cloth] * 3]).holds
     in_both = {**cloth, "variant": "in both"}  # of those more may be so named
     assert study.finding_reference([*good, *[in_both] * 3]).holds and not study.finding_reference([*good, *[in_both] * 4]).holds
