@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 # Where includes begin, and packages of Python.
 INCLUDES = ("", "libshade/", "libshade/include/", "blender_addon_c/native/", "blender_addon_c/", "povray_patches/")
 PACKAGES = ("", "compare/", "compare/tests/", "libshade/python/", "libshade/test/", "blender_addon_c/tests/", "blender_addon_c/tests/inside/",
-            "setup/", "povray_patches/tests/")
+            "setup/", "povray_patches/tests/", "farm/", "farm/tests/")
 # What stands behind a header, where that is no file of its name.
 BEHIND = (("libshade/include/shade/", r"libshade/src/.*\.c$"), ("libshade/reference/reference.h", r"libshade/reference/.*\.c$"),
           ("libshade/image/", r"libshade/image/.*\.(c|cpp)$"), ("libshade/dump/", r"libshade/dump/.*\.c$"))
@@ -28,7 +28,7 @@ BUILT = ((r"build/shade\b|BUILD / .shade.|\bSHADE\b", r"libshade/tool/[^/]*\.c$"
          (r"shade[-_]render\b", r"blender_addon_c/tool/[^/]*\.c$"),
          (r"(?i)\bpovray\b", r"povray_patches/(glue|editor)/|povray_patches/series$"),
          (r"libshade\.so|\bimport shade\b", r"libshade/src/[^/]*\.c$"), (r"BUILD / .horizon.", r"compare/horizon\.c$"),
-         (r"\bdisplacement\b", r"compare/displaced/.*\.c$"), (r"\bsteep_bumps\b", r"compare/bumps/.*\.c$"),
+         (r'ROOT / "farm"', r"farm/(?!tests/).*\.py$"), (r"\bdisplacement\b", r"compare/displaced/.*\.c$"), (r"\bsteep_bumps\b", r"compare/bumps/.*\.c$"),
          (r"\breport_page\b", r"compare/(study_\w+\.py|plain\.c)$"), (r"\bmake(_scene|\b.*-C\b)|[\"']make[\"']", r"(Makefile|.*\.mk)$"),
          (r"make_scene|\bexamples/blender\b", r"examples/blender/.*\.py$"), (r"\bpip\b", r"libshade/python/setup\.py$"))
 # What no text names, and which stands for it: POV-Ray's own files, as the patches leave them, and what lies beside them.

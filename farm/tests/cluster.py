@@ -54,8 +54,8 @@ KillWait=2
 ReturnToService=2
 SlurmdTimeout={dead}
 SlurmctldTimeout=10
-BatchStartTimeout=5
-MessageTimeout=5
+BatchStartTimeout={patience}
+MessageTimeout={patience}
 UnkillableStepTimeout=10
 # CPUs that are not there are taken for there
 SlurmdParameters=config_overrides
@@ -101,7 +101,9 @@ def _free_ports(count):
 
 
 class Cluster:
-    def __init__(self, folder, nodes=4, cpus=16, dead=10):
+    """dead: seconds after which a daemon that does not answer is taken for dead. A busy machine's may not for long."""
+
+    def __init__(self, folder, nodes=4, cpus=16, dead=300):
         self.folder = pathlib.Path(folder).resolve()
         assert len(str(self.folder)) < 90 and re.fullmatch(r"[\w./+-]+", str(self.folder), re.A), "a socket's path is short and plain"
         self.nodes = [f"node{k + 1}" for k in range(nodes)]
@@ -115,7 +117,7 @@ class Cluster:
         host = socket.gethostname()
         self.conf = self.folder / "etc/slurm.conf"
         self.conf.write_text(CONF.format(host=host, address=socket.gethostbyname(host), port=port, user=pwd.getpwuid(os.getuid()).pw_name, folder=self.folder,
-                                         dead=dead, nodes="\n".join(lines), count=nodes))
+                                         dead=dead, patience=max(5, dead // 5), nodes="\n".join(lines), count=nodes))
         version = int(re.search(r"\d+", subprocess.run(["slurmctld", "-V"], capture_output=True, text=True, env={"PATH": PATH}).stdout)[0])
         (self.folder / "etc/cgroup.conf").write_text(f"CgroupPlugin={'disabled' if version >= 24 else 'cgroup/v1'}\n")
         # what tells these processes from all others
@@ -138,11 +140,11 @@ class Cluster:
         self.start_controller()
         for node in self.nodes:
             self.start_node(node)
-        _wait_for(60, lambda: self.run("sinfo", "-h", "-N", "-o", "%T").split() == ["idle"] * len(self.nodes), "idle nodes")
+        _wait_for(120, lambda: self.run("sinfo", "-h", "-N", "-o", "%T").split() == ["idle"] * len(self.nodes), "idle nodes")
 
     def start_controller(self):
         self._daemon("slurmctld", "-f", str(self.conf))
-        _wait_for(20, lambda: "is UP" in self.run("scontrol", "ping", check=False), "slurmctld's answer")
+        _wait_for(60, lambda: "is UP" in self.run("scontrol", "ping", check=False), "slurmctld's answer")
 
     def start_node(self, node):
         self._daemon("slurmd", "-f", str(self.conf), "-N", node)

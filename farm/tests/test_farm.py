@@ -292,6 +292,7 @@ scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_pe
 scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR_MULTILAYER", "32"
 layer.use_pass_z = layer.use_pass_diffuse_direct = layer.use_pass_cryptomatte_object = True
 image = bpy.data.images.new("image", 4, 4)
+image.generated_color = 0.8, 0.5, 0.2, 1
 image.filepath_raw, image.file_format = sys.argv[-1] + ".png", "PNG"
 image.save()
 material = bpy.data.objects["Cube"].active_material
@@ -319,6 +320,7 @@ def test_frames_and_tiles_of_blender(tmp_path):
     names = whole.spec().channelnames
     assert len(names) > 12 and set(names) == set(tiles.spec().channelnames)
     a, b = whole.get_pixels(oiio.FLOAT), tiles.get_pixels(oiio.FLOAT)
+    assert np.ptp(a[..., names.index("ViewLayer.Combined.R")]) > 0.1
     for k, name in enumerate(names):
         assert (a[..., k] == b[..., tiles.spec().channelnames.index(name)]).all(), name
     manifests = [{one.name: one.value for one in image.spec().extra_attribs if "manifest" in one.name} for image in (whole, tiles)]

@@ -86,7 +86,7 @@ class Farm:
             assert time.monotonic() < end, self.cluster.run("squeue", check=False) + self.cluster.run("sinfo", "-N", check=False)
             time.sleep(0.2)
 
-    def finished(self, job, seconds=100):
+    def finished(self, job, seconds=300):
         self.wait_for((job / "finished.json").exists, seconds)
         return json.loads((job / "finished.json").read_text())["wrong"]
 
@@ -101,7 +101,7 @@ class Farm:
 def farm():
     folder = pathlib.Path(tempfile.mkdtemp(prefix="farm-"))  # pytest's paths are too long for sockets
     try:
-        with clusters.Cluster(folder / "cluster") as cluster:
+        with clusters.Cluster(folder / "cluster", dead=10 if FAULTS else 300) as cluster:
             yield Farm(cluster, folder)
     finally:
         subprocess.run(["rm", "-rf", folder], check=True)
