@@ -132,7 +132,7 @@ def _runner(job):
 
 
 def state(job):
-    return None, ([] if _runner(job) or not job.missing() else [f"nothing runs it on {files.host()}; go on with: libshade-farm resume {shlex.quote(job.folder)}"])
+    return None, ([] if _runner(job) or os.path.exists(job.path("finished.json")) else [f"nothing runs it on {files.host()}; go on with: libshade-farm resume {shlex.quote(job.folder)}"])
 
 
 def cancel(job):

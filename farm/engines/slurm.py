@@ -122,7 +122,7 @@ def state(job):
                     hangs.append(f"node {node} is {what} ({reason.strip()}); free it with: scontrol update nodename={node} state=resume")
     except files.Refusal as error:
         return None, [f"{error}; what follows is known by markers alone"]
-    if not queue and job.missing() and not os.path.exists(job.path("finished.json")):
+    if not queue and not os.path.exists(job.path("finished.json")):
         hangs.append(f"Slurm knows no more of it; go on with: libshade-farm resume {shlex.quote(job.folder)}")
     return len([one for one in queue if "_" in one[0]]), hangs
 

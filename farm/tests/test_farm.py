@@ -147,7 +147,8 @@ def test_ctrl_c_keeps_what_is_whole(saved, stub, tmp_path):
     assert not list((tmp_path / "a/work").iterdir()) and "4 items: 0 done, 0 running" in farm("status", tmp_path / "a")
     (tmp_path / "wait").unlink()
     farm("cancel", tmp_path / "a")
-    assert "cancelled; go on with" in farm("status", tmp_path / "a")
+    said = farm("status", tmp_path / "a")
+    assert "cancelled; go on with" in said and "hangs: nothing runs it on" in said
     assert "4 of 4 items are whole" in farm("resume", tmp_path / "a")
 
 
