@@ -192,8 +192,11 @@ def status(options):
     done = len(job.items) - len(missing)
     print(f"{job.said['name']}: {len(job.items)} items: {done} done, {len(running)} running, {len(wrong)} failed, "
           f"{len(missing) - len(running) - len(wrong)} wait" + ("" if queued is None else f"; {queued} in the queue"))
-    seconds = [files.read_json(job.path("results", str(number), "item.json"), {}).get("seconds", 0) for number in range(len(job.items)) if number not in missing]
-    if missing and seconds:
+    told = [files.read_json(job.path("results", str(number), "item.json"), {}) for number in range(len(job.items)) if number not in missing]
+    seconds, memory = [one.get("seconds", 0) for one in told], max((one.get("megabytes", 0) for one in told), default=0)
+    if told:
+        print(f"an item took {sum(seconds) / len(told):.1f} s, {max(seconds):.1f} s at most, and {memory} MB at most")
+    if missing and told:
         print(f"remain: about {duration(sum(seconds) / len(seconds) * len(missing) / max(1, len(running)))}, as many as now at once")
     for number, told in sorted(wrong.items()):
         print(f"failed: {job.name_of(number)}: {told['message']}; on {told['host']}, log {told['log']}")

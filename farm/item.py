@@ -2,6 +2,7 @@
 """One item, on whatever machine; and one frame, merged of its items."""
 
 import os
+import resource
 import shlex
 import shutil
 import signal
@@ -101,7 +102,8 @@ def _make(job, key, log, render):
         names = render(work)
         for name in set(os.listdir(work)) - set(names):
             files.remove(os.path.join(work, name))
-        job.take(key, work, names, seconds=round(time.time() - begun, 3), ended=round(time.time(), 3))
+        memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss // 1024
+        job.take(key, work, names, seconds=round(time.time() - begun, 3), ended=round(time.time(), 3), megabytes=memory)
     finally:
         shutil.rmtree(work, ignore_errors=True)
 

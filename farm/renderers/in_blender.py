@@ -40,10 +40,11 @@ def examine(said):
     scene = bpy.context.scene
     editor = scene.sequence_editor
     strips = editor and (getattr(editor, "strips_all", None) or getattr(editor, "sequences_all", None))  # older ones' name
+    nodes = scene.compositing_node_group if hasattr(scene, "compositing_node_group") else scene.use_nodes  # from 5.0 on that is always so
     with open(said["place"], "w", encoding="utf-8") as file:
         json.dump({"inputs": paths(), "frames": [scene.frame_start, scene.frame_end, scene.frame_step], "frame": scene.frame_current,
                    "rate": scene.render.fps / scene.render.fps_base, "engine": scene.render.engine,
-                   "composites": bool(scene.render.use_compositing and (scene.use_nodes or getattr(scene, "compositing_node_group", None))),
+                   "composites": bool(scene.render.use_compositing and nodes),
                    "sequences": bool(scene.render.use_sequencer and strips)}, file)
 
 

@@ -4,6 +4,7 @@
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -105,7 +106,9 @@ def test_what_fails_is_tried_twice_again_and_then_named(saved, stub, tmp_path):
     (tmp_path / "started").unlink()
     farm("resume", tmp_path / "b")
     assert len((tmp_path / "started").read_text().split()) == 2  # the one that was missing, and the merge
-    assert "2 done, 0 running, 0 failed" in farm("status", tmp_path / "b") and list((tmp_path / "b/frames").iterdir())
+    told = farm("status", tmp_path / "b")
+    assert "2 done, 0 running, 0 failed" in told and re.search(r"^an item took \d+\.\d s, \d+\.\d s at most, and [1-9]\d* MB at most$", told, re.M)
+    assert list((tmp_path / "b/frames").iterdir())
     (tmp_path / "kills").write_text("\n" * 3)
     assert "item 0 (tile 0,0,20,24): its process was ended by SIGKILL; on " in farm(*words, "-o", tmp_path / "c", status=1)
 
@@ -257,6 +260,18 @@ def test_pasted_pngs(tmp_path, kind, channels):
     (tmp_path / "1.png").write_bytes(damaged)
     with pytest.raises(files.Refusal, match="1.png"):
         png.paste(tiles, tmp_path / "other.png")
+
+
+def test_packed_for_povray(tmp_path):
+    """What lies beside the scene keeps its place; what lies elsewhere is named."""
+    (tmp_path / "home/maps").mkdir(parents=True)
+    for name, text in (("home/a.pov", '#include "maps/b.inc" #declare f = "../far.png";'), ("home/maps/b.inc", ""), ("far.png", "")):
+        (tmp_path / name).write_text(text)
+    found, _ = povray.inputs_of(str(tmp_path / "home/a.pov"), [str(tmp_path / "home")])
+    with pytest.raises(files.Refusal, match="far.png: --pack takes what lies in the scene's folder"):
+        povray.pack(str(tmp_path / "home/a.pov"), found, str(tmp_path / "packed"), None)
+    place = povray.pack(str(tmp_path / "home/a.pov"), found[:1] + [path for path in found if path.endswith(".inc")], str(tmp_path / "packed"), None)
+    assert place == str(tmp_path / "packed/a.pov") and (tmp_path / "packed/maps/b.inc").exists()
 
 
 def test_inputs_of_povray(tmp_path):
