@@ -88,12 +88,12 @@ def _wait_for(seconds, happens, what):
         time.sleep(0.05)
 
 
-def _free_ports(count):
+def _free_ports(address, count):
     for first in range(20000 + os.getpid() % 8000, 32000, count):
         with contextlib.ExitStack() as stack:
             try:
                 for port in range(first, first + count):
-                    stack.enter_context(socket.socket()).bind(("127.0.0.1", port))
+                    stack.enter_context(socket.socket()).bind((address, port))
             except OSError:
                 continue
             return first
@@ -111,12 +111,13 @@ class Cluster:
             (self.folder / name).mkdir(parents=True, exist_ok=True)
         for place in (self.folder, *(self.folder / name for name in ("etc", "munge", "run", "log", "spool"))):
             place.chmod(0o755)
-        port = _free_ports(1 + nodes)
-        lines = [f"NodeName={node} NodeHostname={node} NodeAddr=127.0.0.1 Port={port + 1 + k} CPUs={cpus} RealMemory=1000 State=UNKNOWN"
-                 for k, node in enumerate(self.nodes)]
         host = socket.gethostname()
+        address = socket.gethostbyname(host)  # on which the daemons listen
+        port = _free_ports(address, 1 + nodes)
+        lines = [f"NodeName={node} NodeHostname={node} NodeAddr={address} Port={port + 1 + k} CPUs={cpus} RealMemory=1000 State=UNKNOWN"
+                 for k, node in enumerate(self.nodes)]
         self.conf = self.folder / "etc/slurm.conf"
-        self.conf.write_text(CONF.format(host=host, address=socket.gethostbyname(host), port=port, user=pwd.getpwuid(os.getuid()).pw_name, folder=self.folder,
+        self.conf.write_text(CONF.format(host=host, address=address, port=port, user=pwd.getpwuid(os.getuid()).pw_name, folder=self.folder,
                                          dead=dead, patience=max(5, dead // 5), nodes="\n".join(lines), count=nodes))
         version = int(re.search(r"\d+", subprocess.run(["slurmctld", "-V"], capture_output=True, text=True, env={"PATH": PATH}).stdout)[0])
         (self.folder / "etc/cgroup.conf").write_text(f"CgroupPlugin={'disabled' if version >= 24 else 'cgroup/v1'}\n")
