@@ -292,8 +292,16 @@ def test_frames_and_tiles_of_povray(tmp_path):
     words = "+W80", "+H50", "+A0.1"
     (tmp_path / "plain.pov").write_bytes(scene_of.read_bytes())  # its own command line takes Latin letters alone
     subprocess.run([POVRAY, "+Iplain.pov", *words, "-D", "+KFI1", "+KFF3"], check=True, capture_output=True, cwd=tmp_path)
-    farm("submit", scene_of, "--frames", "1-3/2", "-o", tmp_path / "frames", "--no-movie", "--", *words)
+    said = farm("submit", scene_of, "--frames", "1-3/2", "-o", tmp_path / "frames", "--", *words)
     farm("submit", scene_of, "--frames", "3", "--tiles", "2x2", "-o", tmp_path / "tiles", "--", *words, "+KFI1", "+KFF3")
+    movie = tmp_path / f"frames/frames/{NAME}.mp4"
+    if shutil.which("ffmpeg"):
+        assert f"movie: {movie}" in said and subprocess.run(
+            ["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames,width,height", "-of", "csv=p=0", movie], check=True,
+            capture_output=True, text=True).stdout.strip() == "80,50,2"
+        movie.unlink()
+    else:
+        assert "no movie: ffmpeg is not installed here" in said
     assert sorted(os.listdir(tmp_path / "frames/frames")) == [f"{NAME}_0001.png", f"{NAME}_0003.png"]
     for folder, frame in (("frames", 1), ("frames", 3), ("tiles", 3)):
         assert (pixels(tmp_path / folder / f"frames/{NAME}_000{frame}.png")[1] == pixels(tmp_path / f"plain{frame}.png")[1]).all(), (folder, frame)
