@@ -15,7 +15,7 @@ HEAD = """# SPDX-License-Identifier: Apache-2.0
 # What Blender has for EEVEE, Grease Pencil or Freestyle alone: nodes, a socket, passes.
 NOT_CYCLES = ("ShaderNodeEeveeSpecular", "ShaderNodeShaderToRGB", "ShaderNodeOutputLineStyle", "ShaderNodeUVAlongStroke",
               "ShaderNodeLightAccumulation", "ShaderNodeLightEvaluation", "ShaderNodeLightInfo", "ShaderNodeLightIterInternalInput",
-              "ShaderNodeLightIterInternalOutput", "ShaderNodeShadowRaycast", "LightIndex", "use_pass_grease_pencil",
+              "ShaderNodeLightIterInternalOutput", "ShaderNodeShadowRaycast", "ShaderNodeSqueeze", "LightIndex", "use_pass_grease_pencil",
               "use_pass_cryptomatte_accurate")
 OF_ALL = ("NodeReroute", "NodeFrame", "NodeGroupInput", "NodeGroupOutput", "ShaderNodeGroup", "ShaderNodeCustomGroup")  # of no say
 
