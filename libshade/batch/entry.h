@@ -14,7 +14,8 @@ _Static_assert(sizeof(bsdf_lanes) - offsetof(bsdf_lanes, f0r) == sizeof(varied_a
                    sizeof(sample_lanes) - offsetof(sample_lanes, f0r) == sizeof(varied_arrays),
                "both end in the arrays of varied_block.h");
 
-/* The parameters of each sample, from f0r on. Parts that do not exist are all of them. */
+/* The parameters of each sample, from f0r on. Parts that do not exist are all of them, and half a
+ * groove is none. */
 LEAF varied_arrays varied_from(const void *f0r, unsigned *status) {
   const size_t all = SHADE_PART_SPECULAR | SHADE_PART_DIFFUSE;
   varied_arrays v;
@@ -22,6 +23,10 @@ LEAF varied_arrays varied_from(const void *f0r, unsigned *status) {
   *status = v.parts & ~all ? SHADE_BAD_CHOICE : SHADE_OK;
   if (v.parts & ~all || v.parts == all)
     v.parts = 0;
+  if (!v.groove_x != !v.groove_y) {
+    *status |= SHADE_BAD_INPUT;
+    v.groove_x = v.groove_y = NULL;
+  }
   return v;
 }
 

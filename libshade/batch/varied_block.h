@@ -364,13 +364,12 @@ static unsigned read_varied(const bsdf *b, const varied_arrays *in, size_t start
       given[k] = given[k] ? given[k] + start : NULL;
     status |= read_shape(b, count, given, m, mirror, &mirrored);
   }
-  m->turned = mirrored || (in->groove_x && in->groove_y);
+  m->turned = mirrored || in->groove_x;
   if (!m->turned)
     return status;
   for (size_t i = 0; i < count; i++)
     m->c[i] = m->side[i] = 1, m->s[i] = 0;
-  if (in->groove_x && in->groove_y &&
-      pass_groove(count, in->groove_x + start, in->groove_y + start, m->c, m->s))
+  if (in->groove_x && pass_groove(count, in->groove_x + start, in->groove_y + start, m->c, m->s))
     status |= SHADE_CLAMPED_PARAMETER;
   if (mirrored)
     pass_axes(count, mirror, m->c, m->s, m->side);

@@ -86,17 +86,16 @@ static unsigned entry_vary(const shade_bsdf *given, const bsdf_lanes *lanes, siz
   b->black = !b->has_specular || (b->black && !each.f0[0] && !each.f0[1] && !each.f0[2]);
   own->c = own->side = 1;
   own->s = 0;
-  if (each.groove_x && each.groove_y &&
-      pass_groove(1, each.groove_x + lane, each.groove_y + lane, &own->c, &own->s))
+  if (each.groove_x && pass_groove(1, each.groove_x + lane, each.groove_y + lane, &own->c, &own->s))
     status |= SHADE_CLAMPED_PARAMETER;
   if (mirrored)
     pass_axes(1, mirror, &own->c, &own->s, &own->side);
   if (any_slopes(&each))
     status |= vary_slopes(&each, lane, own->slopes);
-  if (mirrored || (each.groove_x && each.groove_y))
+  if (mirrored || each.groove_x)
     turn_slopes(own->c, own->s, own->side, own->slopes);
   b->varied = 1;
-  b->turned = mirrored || (each.groove_x && each.groove_y);
+  b->turned = mirrored || each.groove_x;
   if (SHADE_FLOAT)
     widen_numbers(b);
   else

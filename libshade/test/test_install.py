@@ -180,11 +180,14 @@ LINKINGS = ("shared", "static", "c++", "cmake", "go")
 def run_program(source, prefix, folder, linking):
     """Compiles a program of the manual against what is installed, by its own command, without a warning; what it prints."""
     (folder / "program.c").write_text(source)
-    environment = dict(PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"), LD_LIBRARY_PATH=str(prefix / "lib"), PREFIX=str(prefix),
+    environment = dict(PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"), LD_LIBRARY_PATH=str(prefix / "lib"),
                        CFLAGS="-std=c11 -Wall -Wextra -Wconversion -Werror")
     assert run("pkg-config", "--modversion", "libshade", **environment).strip() == version()
     command = blocks("sh")[LINKINGS.index(linking)]
-    if linking != "cmake":
+    if linking == "cmake":  # which names the folder of start/c
+        (folder / "libshade").symlink_to(prefix)
+        environment["HOME"] = str(folder)
+    else:
         # C++17, so without C's designated initialisers and enumerations as integers
         warnings = environment["CFLAGS"].replace("c11", "c++17" if linking == "c++" else "c11")
         command = re.sub(r"^(cc|c\+\+) ", rf"\1 {warnings} ", command)

@@ -558,6 +558,19 @@ def test_slopes_of_a_ramp_and_of_two(other):
         assert seen.covariance[0] == pytest.approx([0.09, 0.3 * other, other**2], abs=close)
 
 
+def test_slopes_of_the_whole_map():
+    """Several pictures wide a footprint has the moments of all of the map, as it is interpolated, wherever it lies: what the guide
+    takes for horizon mutual."""
+    slopes = np.random.default_rng(3).normal(size=(2, 16, 16)) * .3 + .1
+    seen = shade.SlopeMap(np.stack([*-slopes, np.ones((16, 16))], -1), normals="signed").look_up([[.5, .5], [.1, .8]], [4, 0, 0, 4])
+    weight = {-1: 1 / 6, 0: 2 / 3, 1: 1 / 6}  # of what is linear between neighbours
+    means = slopes.mean((1, 2))
+    moments = [sum(weight[i] * weight[j] * (slopes[a] * np.roll(slopes[b], (i, j), (0, 1))).mean() for i in weight for j in weight)
+               - means[a] * means[b] for a, b in ((0, 0), (0, 1), (1, 1))]
+    assert -seen.normal[:, :2] / seen.normal[:, 2:] == pytest.approx(np.tile(means, (2, 1)), abs=1e-4)
+    assert seen.covariance == pytest.approx(np.tile(moments, (2, 1)), abs=1e-4)
+
+
 def test_pixels_of_whole_numbers():
     """A picture is scaled by its type's largest number; else they are refused, in words."""
     coloured = np.random.default_rng(2).integers(90, 166, (5, 4, 3)).astype(np.uint8)

@@ -560,8 +560,11 @@ static void in_words(void **state) {
               {SHADE_NO_SAMPLE, "no sample found"},
               {SHADE_CLAMPED_PARAMETER | SHADE_BAD_CHOICE, "parameter clamped, unknown choice"},
               {31, "parameter clamped, normal clamped, bad input, unknown choice, no sample found"},
-              {32, "unknown status"},
-              {~0U, "unknown status"}};
+              {32, "unknown bits"},
+              {33, "parameter clamped, unknown bits"},
+              {~0U,
+               "parameter clamped, normal clamped, bad input, unknown choice, no sample found, "
+               "unknown bits"}};
   for (size_t k = 0; k < sizeof said / sizeof said[0]; k++)
     assert_string_equal(shade_status_text(said[k].bits), said[k].text);
   char numbers[40];

@@ -356,6 +356,9 @@ static void one_lane_mended(void **state) {
     in.ax = in.groove_x = in.groove_y = NULL;
     if (k % 3 == 0)
       in.groove_x = in.ex, in.groove_y = odd;
+    const unsigned half = k % 3 == 1 ? SHADE_BAD_INPUT : SHADE_OK; /* which is none */
+    if (half)
+      *(k % 2 ? &in.groove_x : &in.groove_y) = odd;
     if (k % 5 == 0)
       in.kdg = in.etab = in.f0r = in.f82r = in.kr = in.ex;
     if (k % 7 == 0)
@@ -373,6 +376,7 @@ static void one_lane_mended(void **state) {
         each[m] += at;
     const shade_result out = {sizeof out, &many[0], &many[1], &many[2], &many[3]};
     const unsigned was = shade_bsdf_eval_batch(&b, 1, &in, &out);
+    assert_int_equal(was & SHADE_BAD_INPUT, half);
     assert_int_equal(shade_bsdf_pdf_batch(&b, 1, &in, &many[4]), was);
     assert_int_equal(shade_bsdf_vary(&b, &in, 0, &one), was);
     double f[3], cosine;

@@ -221,8 +221,9 @@ typedef enum shade_fabric_tier {
  * @param wo         to the eye, unit, local frame
  * @param tier       how to evaluate
  * @param s          out: RGB in 1/sr
- * @return status bits: SHADE_CLAMPED_NORMAL; SHADE_BAD_INPUT for non-finite input or wi = -wo (0),
- *         and for a footprint that is negative or NaN (taken as 0)
+ * @return status bits: SHADE_CLAMPED_NORMAL; SHADE_BAD_CHOICE for an unknown tier (AUTO);
+ *         SHADE_BAD_INPUT for non-finite input, a direction of length 0 or wi = -wo (0), and for a
+ *         footprint that is negative or NaN (taken as 0)
  */
 SHADE_API unsigned shade_fabric_eval(const shade_fabric *fabric, const double uv[2],
                                      const double footprint[2], const double n[3],
@@ -245,7 +246,8 @@ typedef struct shade_fabric_point {
   double uv[2];        /* 0 */
   double footprint[2]; /* 0 */
   double n[3];         /* (0, 0, 1) */
-  double random;       /* [0, 1): which term stands for the footprint; < 0: all of them (-1) */
+  double random;       /* [0, 1): which term stands for the footprint; < 0: all of them (-1); from 1
+                        * on it counts as just below 1, without a status; NaN: SHADE_BAD_INPUT, as 0 */
   /* In place of the yarn's, [0, 1]. Near, what is let through is at most what it leaves of 1; far
    * it is what the fabric's own kd leaves. */
   double warp_kd[3], weft_kd[3];
@@ -314,7 +316,8 @@ typedef struct shade_fabric_hitf {
  * @param tier      how to evaluate
  * @param hit       out: the hit
  * @param coverage  out, or NULL
- * @return status bits, as for shade_fabric_eval
+ * @return status bits, as for shade_fabric_eval; SHADE_CLAMPED_PARAMETER for a colour, gloss or nap
+ *         of the point out of its range, which is brought into it, and for NaN, which becomes 0
  */
 SHADE_API unsigned shade_fabric_prepare(const shade_fabric *fabric, const shade_fabric_point *point,
                                         const double wo[3], shade_fabric_tier tier,

@@ -107,8 +107,9 @@ enum {
   SHADE_OK = 0,
   SHADE_CLAMPED_PARAMETER = 1, /* a parameter was outside its range and was clamped */
   SHADE_CLAMPED_NORMAL = 2,    /* n.z <= 0: n.z set to 1e-4 and n renormalised */
-  SHADE_BAD_INPUT = 4,         /* non-finite input or wi = -wo: the result is 0; a structure
-                                  without its size: each function says what it does then */
+  SHADE_BAD_INPUT = 4,         /* non-finite input, a direction of length 0, or wi = -wo: the result
+                                  is 0; a structure without its size: each function says what it
+                                  does then */
   SHADE_BAD_CHOICE = 8,        /* an enum value outside its list: the first row is used */
   SHADE_NO_SAMPLE = 16         /* a draw found no direction: wi, f and pdf are 0 */
 };
@@ -116,7 +117,7 @@ enum {
 /**
  * Status bits in words: "ok", or such as "parameter clamped, bad input".
  *
- * @param status  status bits
+ * @param status  status bits; those that the library does not have are "unknown bits"
  * @return a text that stays
  */
 SHADE_API const char *shade_status_text(unsigned status);
@@ -196,7 +197,8 @@ SHADE_API shade_brdf shade_params_brdf(const shade_params *p);
  *
  * @param p       the material; where nobody set its `size`, nothing is set
  * @param ex, ey  exponents along x and y, [0, 1e6]
- * @return status bits; SHADE_BAD_INPUT without p->size
+ * @return status bits; SHADE_CLAMPED_PARAMETER for a number out of its range, which is brought into
+ *         it, and for NaN, which becomes the default; SHADE_BAD_INPUT without p->size
  */
 SHADE_API unsigned shade_params_set_exponents(shade_params *p, double ex, double ey);
 
@@ -208,15 +210,20 @@ SHADE_API unsigned shade_params_set_exponents(shade_params *p, double ex, double
  *
  * @param p       the material; where nobody set its `size`, nothing is set
  * @param ax, ay  roughness alpha along x and y, [1e-4, 10]
- * @return status bits; SHADE_BAD_INPUT without p->size
+ * @return status bits; SHADE_CLAMPED_PARAMETER for a number out of its range, which is brought into
+ *         it, and for NaN, which becomes the default; SHADE_BAD_INPUT without p->size
  */
 SHADE_API unsigned shade_params_set_alphas(shade_params *p, double ax, double ay);
 
 /**
  * Set the slopes of the map that bumps a surface, for SHADE_HORIZON_MUTUAL.
  *
+ * Those of a whole map are mean and covariance by shade_slope_lookup (maps.h), with a footprint of
+ * several pictures: {4, 0, 0, 4}. The second moment may also be that in a window about the hit: the
+ * covariance there, plus the square of how far its mean is from that of the map.
+ *
  * @param p       the material; where its `size` is that of a structure without slopes, nothing is
- * set
+ *                set
  * @param slopes  x, y: the map's mean slope, [-1e3, 1e3]; xx, xy, yy: the second moment of slopes
  *                about it, xx and yy in [0, 1e6], xy at most sqrt(xx yy) either way
  * @return status bits; SHADE_CLAMPED_PARAMETER for what was brought into its range, and for NaN,
@@ -245,7 +252,8 @@ SHADE_API unsigned shade_params_get_slopes(const shade_params *p, double slopes[
  * @param convention  the program; an unknown one is taken as the first (SHADE_BAD_CHOICE)
  * @param roughness   [0, 1]; NaN counts as 0
  * @param anisotropy  [-1, 1] for Blender Glossy, [0, 1] for the others; NaN counts as 0
- * @return status bits; SHADE_BAD_INPUT without p->size
+ * @return status bits; SHADE_CLAMPED_PARAMETER for NaN and for a number out of its range, which is
+ *         brought into it; SHADE_BAD_INPUT without p->size
  */
 SHADE_API unsigned shade_params_set_roughness(shade_params *p, shade_roughness convention,
                                               double roughness, double anisotropy);
@@ -380,14 +388,15 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  *   the largest of the BRDF.
  * - `mutual` lets bumps shade and light each other, by the slopes of their map, `slopes` of the
  *   material: the mean slope (x, y) of the whole map, [-1e3, 1e3], and the second moment (xx, xy,
- *   yy) of slopes about it, in a window about the hit. xx and yy are in [0, 1e6], and |xy| is at
- *   most sqrt(xx yy). A slope is -(nx, ny)/nz, along the tangent and along y. Where xx + yy is 0 it
- *   is `hard`. Else a share of n, min(1, p/Ao), is shaded, p = n.wo/nz and Ao the area that bumps
- *   show wo in the mean. The rest is the other side of the bump, whose slope is mirrored along wo.
- *   Both are masked by Smith's (1 + Lo)/(1 + Lo + Li) of the second moment. What that keeps back is
- *   found by four facets of each side, off it by their own covariance of slopes, and comes back by
- *   another bump, with F^2: F twice, its mean over the hemisphere. n = z is not `hard`. The cosine
- *   is wi.z. The diffuse part is that of `valid_estevez`. It is not reciprocal.
+ *   yy) of slopes about it, of the whole map or in a window about the hit. xx and yy are in [0,
+ *   1e6], and |xy| is at most sqrt(xx yy). A slope is -(nx, ny)/nz, along the tangent and along y.
+ *   Where xx + yy is 0 it is `hard`. Else a share of n, min(1, p/Ao), is shaded, p = n.wo/nz and Ao
+ *   the area that bumps show wo in the mean. The rest is the other side of the bump, whose slope is
+ *   mirrored along wo. Both are masked by Smith's (1 + Lo)/(1 + Lo + Li) of the second moment. What
+ *   that keeps back is found by four facets of each side, off it by their own covariance of
+ *   slopes, and comes back by another bump, with F^2: F twice, its mean over the hemisphere. n = z
+ *   is not `hard`. The cosine is wi.z. The diffuse part is that of `valid_estevez`. It is not
+ *   reciprocal.
  *
  * f includes the diffuse part kd Phi/(pi cos). Its fibres run along the groove axis of the frame
  * that `rotate` makes of n, whatever the detail method is (for `none`, n = z). Phi of the fibre
@@ -416,8 +425,10 @@ SHADE_API float shade_mdf_evalf(const shade_bsdf *b, const float n[3], const flo
  * @param wi      to the light, unit, local frame
  * @param wo      to the eye, unit, local frame
  * @param f       out: RGB in 1/sr, without the cosine
- * @param cosine  out, or NULL: n.wi, or wi.z for SHADE_DETAIL_NONE; at least 0
- * @return status bits; SHADE_BAD_INPUT, and 0, for non-finite input or wi = -wo
+ * @param cosine  out, or NULL: as the horizon has it: n.wi, of the bent n where it bends; wi.z for
+ *                `schuessler`, for `mutual` with slopes, and for SHADE_DETAIL_NONE; at least 0
+ * @return status bits; SHADE_BAD_INPUT, and 0, for non-finite input, a direction of length 0, and
+ *         wi = -wo
  */
 SHADE_API unsigned shade_bsdf_eval(const shade_bsdf *b, const double n[3], const double wi[3],
                                    const double wo[3], double f[3], double *cosine);
@@ -560,8 +571,9 @@ typedef enum shade_part { SHADE_PART_SPECULAR = 1, SHADE_PART_DIFFUSE = 2 } shad
  *   SHADE_DETAIL_AUTO is rotate.
  * - Groove: the tangent about z, a vector (x, y) in the local frame, so that textures of it may be
  *   filtered. It may have any length but 0, which counts as NaN, as do subnormal and infinite ones.
- *   Both arrays are given, or neither. Where a lane has its own groove or narrow axis, the same u
- *   may draw another wi than such a material would, of the same density.
+ *   Both arrays are given, or neither: one alone is SHADE_BAD_INPUT, and counts as neither. Where a
+ *   lane has its own groove or narrow axis, the same u may draw another wi than such a material
+ *   would, of the same density.
  * - Slopes: along the tangent and along y, not along the groove, [-1e3, 1e3] and [0, 1e6].
  * - Parts: SHADE_PART_SPECULAR or SHADE_PART_DIFFUSE makes f that part alone. Draws and density are
  *   then of the specular lobe alone, or of the diffuse part alone. 0 is both. Other bits are
@@ -612,7 +624,8 @@ typedef struct shade_lanesf {
  * @param in    arrays, as a batch has them
  * @param lane  index into the arrays
  * @param out   out: the material of that lane; it may be b
- * @return status bits; SHADE_BAD_INPUT, and *out is *b, without in->size or for a varied b
+ * @return status bits; SHADE_BAD_INPUT for one groove array alone, and, where *out is *b, without
+ *         in->size or for a varied b
  */
 SHADE_API unsigned shade_bsdf_vary(const shade_bsdf *b, const shade_lanes *in, size_t lane,
                                    shade_bsdf *out);
@@ -688,7 +701,8 @@ SHADE_API unsigned shade_mdf_eval_batchf(const shade_bsdf *b, size_t count, cons
  * @param wi      to the light, unit, local frame
  * @param wo      to the eye, unit, local frame
  * @param status  NULL, or where status bits are or-ed into
- * @return the density of wi, per sr; 0 for non-finite input (SHADE_BAD_INPUT)
+ * @return the density of wi, per sr; 0 for non-finite input and a direction of length 0
+ *         (SHADE_BAD_INPUT)
  */
 SHADE_API double shade_bsdf_pdf(const shade_bsdf *b, const double n[3], const double wi[3],
                                 const double wo[3], unsigned *status);
@@ -742,9 +756,9 @@ SHADE_API float shade_bsdf_pdff(const shade_bsdf *b, const float n[3], const flo
  * @param wi      out: to the light, unit, local frame
  * @param f       out: RGB in 1/sr
  * @param pdf     out: the density of wi, per sr
- * @param cosine  out, or NULL: n.wi
+ * @param cosine  out, or NULL: as of shade_bsdf_eval
  * @return status bits; SHADE_NO_SAMPLE where the draw found no direction, SHADE_BAD_INPUT, and all
- *         0, for non-finite directions and NaN in u
+ *         0, for directions that are not finite or of length 0, and for NaN in u
  */
 SHADE_API unsigned shade_bsdf_sample(const shade_bsdf *b, const double n[3], const double wo[3],
                                      const double u[2], double wi[3], double f[3], double *pdf,
@@ -787,7 +801,7 @@ typedef struct shade_sample_result {
   size_t size;             /* sizeof(shade_sample_result) */
   double *wix, *wiy, *wiz; /* to the light; 0 where no direction was found */
   double *r, *g, *b;       /* f, in 1/sr */
-  double *pdf, *cosine;    /* in 1/sr; n.wi */
+  double *pdf, *cosine;    /* in 1/sr; as of shade_bsdf_eval */
 } shade_sample_result;
 
 /** In float: shade_sample_result. */
