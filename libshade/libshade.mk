@@ -62,7 +62,7 @@ SHADE_OBJ := $(call isa_units,$(ISAS)) $(call in_both,dispatch fabric_eval) $(O)
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/scratch_bins.o $(O)/src/scratch_table.o \
   $(O)/src/slopes.o $(O)/src/albedo.o
 SHADE_OBJ += $(O)/port/files.o
-PORT_OBJ := $(O)/port/process.o $(O)/port/threads.o
+PORT_OBJ := $(O)/port/process.o $(O)/port/threads.o $(O)/port/map.o
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))
 SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o \
   $(O)/src/fabric_table.o $(O)/src/fabric_shadow.o $(O)/src/fabric_albedo.o \

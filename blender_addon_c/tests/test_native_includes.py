@@ -46,7 +46,12 @@ MAY = {
 }
 # The doors to the system, and the folders where nothing else asks which system it is, or for a header that C11 lacks;
 # with those of other libraries that a folder reads files by
-PORTABLE = {f"libshade/{name}/": () for name in "batch data fuzz include model reference src tool".split()} | {
+PORTABLE = {
+    **{f"libshade/{name}/": () for name in "batch data fuzz include model reference src tool".split()},
+    **{f"{NATIVE}{name}/": () for name in "batch closure isa light node render stage".split()},
+    NATIVE + "scene/": ("embree3/rtcore.h", "embree4/rtcore.h"),
+    NATIVE + "python/": ("Python.h",),
+    "blender_addon_c/tool/": ("getopt.h", "zlib.h"),
     "libshade/dump/": ("openexr.h",),
     "libshade/image/": ("openexr.h", "png.h"),
 }

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "dump/whole.h"
 #include "image/image.h"
@@ -468,7 +467,7 @@ static int render_file(const options *o, scene_file *f) {
 
 int main(int argc, char **argv) {
   shade_port_begin(&argc, &argv);
-  options o = {.progress = isatty(2)};
+  options o = {.progress = shade_port_is_terminal(2)};
   scene_file file = {0};
   int status = parse(argc, argv, &o);
   if (status != TOOL_DONE)

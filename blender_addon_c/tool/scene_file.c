@@ -2,16 +2,13 @@
 #include "scene_file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
 
+#include "port/map.h"
 #include "reader.h"
 #include "render/build.h"
 #include "render/read.h"
@@ -155,21 +152,10 @@ bool scene_file_read(scene_file *f, const void *data, size_t size) {
 }
 
 bool scene_file_open(scene_file *f, const char *path) {
-  struct stat about = {0};
-  int file = open(path, O_RDONLY | O_CLOEXEC);
-  f->map = MAP_FAILED;
-  if (file >= 0 && fstat(file, &about) == 0 && !S_ISREG(about.st_mode))
-    errno = EINVAL;
-  else if (file >= 0 && about.st_size > 0)
-    f->map = mmap(NULL, f->map_size = (size_t)about.st_size, PROT_READ, MAP_PRIVATE, file, 0);
-  int reason = errno;
-  if (file >= 0)
-    close(file);
-  if (f->map != MAP_FAILED)
+  f->map = shade_port_map(path, &f->map_size);
+  if (f->map)
     return scene_file_read(f, f->map, f->map_size);
-  f->map = NULL;
-  return fail(f, file >= 0 && S_ISREG(about.st_mode) && !about.st_size ? "it is empty"
-                                                                       : strerror(reason));
+  return fail(f, errno ? strerror(errno) : "it is empty");
 }
 
 void scene_file_close(scene_file *f) {
@@ -192,6 +178,6 @@ void scene_file_close(scene_file *f) {
   free(f->picture);
   free(f->array);
   if (f->map)
-    munmap(f->map, f->map_size);
+    shade_port_unmap(f->map, f->map_size);
   *f = (scene_file){0};
 }

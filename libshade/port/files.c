@@ -48,11 +48,7 @@ static void set_errno(void) {
   }
 }
 
-/*
- * The name as Windows has no limit for it: absolute and behind \\?\ where it, or what is written
- * beside it, comes near the 260 characters that it takes without.
- */
-static wchar_t *wide_name(const char *path) {
+wchar_t *shade_port_wide_name(const char *path) {
   enum { MUCH = 200 };
   wchar_t *given = shade_port_wide(path);
   if (!given)
@@ -76,7 +72,7 @@ static wchar_t *wide_name(const char *path) {
 }
 
 FILE *shade_port_open(const char *path, const char *mode) {
-  wchar_t *name = wide_name(path), *how = shade_port_wide(mode);
+  wchar_t *name = shade_port_wide_name(path), *how = shade_port_wide(mode);
   FILE *file = name && how ? _wfopen(name, how) : NULL;
   if (!file && errno == EACCES && shade_port_look(path, NULL) == SHADE_PORT_FOLDER)
     errno = EISDIR;
@@ -87,7 +83,7 @@ FILE *shade_port_open(const char *path, const char *mode) {
 
 shade_port_kind shade_port_look(const char *path, long long *size) {
   shade_port_kind kind = SHADE_PORT_NONE;
-  wchar_t *name = wide_name(path);
+  wchar_t *name = shade_port_wide_name(path);
   if (!name)
     return kind;
   wchar_t full[8] = L"";
@@ -106,7 +102,7 @@ shade_port_kind shade_port_look(const char *path, long long *size) {
 }
 
 int shade_port_create(const char *path) {
-  wchar_t *name = wide_name(path);
+  wchar_t *name = shade_port_wide_name(path);
   const int file =
       name ? _wopen(name, _O_CREAT | _O_EXCL | _O_WRONLY | _O_NOINHERIT, _S_IREAD | _S_IWRITE) : -1;
   free(name);
@@ -115,7 +111,7 @@ int shade_port_create(const char *path) {
 
 int shade_port_rename(const char *from, const char *to) {
   enum { TRIES = 20, PAUSE = 10 }; /* ms: what looks for viruses has a new file open for a while */
-  wchar_t *old = wide_name(from), *new = wide_name(to);
+  wchar_t *old = shade_port_wide_name(from), *new = shade_port_wide_name(to);
   int moved = 0;
   for (int i = 0; old && new && !moved &&i < TRIES; i++) {
     moved = MoveFileExW(old, new, MOVEFILE_REPLACE_EXISTING) != 0;
@@ -132,7 +128,7 @@ int shade_port_rename(const char *from, const char *to) {
 }
 
 int shade_port_remove(const char *path) {
-  wchar_t *name = wide_name(path);
+  wchar_t *name = shade_port_wide_name(path);
   const int gone = name && DeleteFileW(name);
   if (name && !gone)
     set_errno();
@@ -141,14 +137,14 @@ int shade_port_remove(const char *path) {
 }
 
 char *shade_port_full_name(const char *path) {
-  wchar_t *name = wide_name(path);
+  wchar_t *name = shade_port_wide_name(path);
   char *full = name ? shade_port_narrow(name) : NULL;
   free(name);
   return full;
 }
 
 char *shade_port_end_of_links(const char *path) {
-  wchar_t *name = wide_name(path);
+  wchar_t *name = shade_port_wide_name(path);
   char *end = NULL;
   const DWORD is = name ? GetFileAttributesW(name) : INVALID_FILE_ATTRIBUTES;
   if (is != INVALID_FILE_ATTRIBUTES && is & FILE_ATTRIBUTE_REPARSE_POINT) {

@@ -22,6 +22,13 @@ static inline wchar_t *shade_port_wide(const char *text) {
   return wide;
 }
 
+/*
+ * The name of a file as Windows has no limit for it: absolute and behind \\?\ where it, or what
+ * is written beside it, comes near the 260 characters that it takes without. To be freed; NULL with
+ * errno.
+ */
+wchar_t *shade_port_wide_name(const char *path);
+
 /* To be freed; what is no character becomes U+FFFD. NULL when out of memory. */
 static inline char *shade_port_narrow(const wchar_t *wide) {
   const int length = WideCharToMultiByte(CP_UTF8, 0, wide, -1, NULL, 0, NULL, NULL);

@@ -11,6 +11,7 @@
 
 #include "dump/whole.h"
 #include "port/files.h"
+#include "port/map.h"
 #include "port/memory.h"
 #include "port/process.h"
 #include "port/threads.h"
@@ -180,6 +181,27 @@ static void lines_of_any_length(void **state) {
   assert_int_equal(shade_port_remove(path), 0);
 }
 
+static void files_as_memory(void **state) {
+  (void)state;
+  char path[256];
+  size_t size = 0;
+  snprintf(path, sizeof path, "%s/\xe5\xb8\x83", folder);
+  assert_null(shade_port_map(path, &size));
+  assert_int_equal(errno, ENOENT);
+  keep(path, "");
+  assert_null(shade_port_map(path, &size));
+  assert_int_equal(errno, 0);
+  keep(path, "a\r\nb");
+  void *map = shade_port_map(path, &size);
+  assert_non_null(map);
+  assert_int_equal(size, 4);
+  assert_memory_equal(map, "a\r\nb", 4);
+  shade_port_unmap(map, size);
+  assert_int_equal(shade_port_remove(path), 0);
+  assert_null(shade_port_map(folder, &size));
+  assert_int_equal(errno, EINVAL);
+}
+
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
 
@@ -234,7 +256,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(names_of_any_script),    cmocka_unit_test(names_of_any_length),
       cmocka_unit_test(what_stands_in_the_way), cmocka_unit_test(lines_of_any_length),
-      cmocka_unit_test(threads_and_time),       cmocka_unit_test(this_process),
+      cmocka_unit_test(files_as_memory),        cmocka_unit_test(threads_and_time),
+      cmocka_unit_test(this_process),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

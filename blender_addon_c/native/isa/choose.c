@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The tables of stages, each of its families' parts. */
-#include <pthread.h>
 #include <string.h>
 
 #include "stage/stage.h"
+
+#include "system/threads.h"
 
 /* isa/<family>.c, all that there are */
 #define FAMILIES(ROW, isa)                                                                         \

@@ -11,11 +11,11 @@
 #ifndef LIBSHADE_NODE_ALBEDO_H
 #define LIBSHADE_NODE_ALBEDO_H
 
-#include <pthread.h>
 #include <stdlib.h>
 
 #include "node/common.h"
 #include "shade/albedo.h"
+#include "system/threads.h"
 
 /* Even in sqrt(alpha) and in the eye's cosine. */
 enum { ALBEDO_ROUGH = 24, ALBEDO_EYE = 32 };

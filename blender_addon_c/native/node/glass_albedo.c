@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "node/glass_albedo.h"
 
-#include <pthread.h>
+#include "system/threads.h"
 
 static pthread_once_t once[2] = {PTHREAD_ONCE_INIT, PTHREAD_ONCE_INIT};
 static float made[2][GLASS_TABLE + 2 * GLASS_MEANS];

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "node/interference.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "system/threads.h"
 
 /* One for each working space that was ever asked for. */
 typedef struct film_table {

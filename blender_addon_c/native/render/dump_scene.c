@@ -3,7 +3,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <pthread.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +11,7 @@
 #include "closure/closure.h"
 #include "light/light.h"
 #include "system/library.h"
+#include "system/threads.h"
 
 #define OPENEXR_LIBRARY "libshade_openexrcore.so"
 #define OPENEXR_SYSTEM "libOpenEXRCore-3_1.so.30"

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "render/job.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "render/build.h"
 #include "render/denoise.h"
@@ -145,11 +143,7 @@ job *job_start_filled(scene *s, job_fill *fill, void *context) {
   if (shade_isa_check(wrong, sizeof wrong) != 0)
     message_warn(&j->log, "%s", wrong);
   pthread_mutex_init(&j->lock, NULL);
-  pthread_condattr_t steady;
-  pthread_condattr_init(&steady);
-  pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
-  pthread_cond_init(&j->changed, &steady);
-  pthread_condattr_destroy(&steady);
+  threads_condition(&j->changed);
   j->render = (render){
       .scene = s,
       .plan = &j->samples,
@@ -180,19 +174,9 @@ job *job_start_filled(scene *s, job_fill *fill, void *context) {
 }
 
 bool job_wait(job *j, double seconds) {
-  struct timespec until;
-  clock_gettime(CLOCK_MONOTONIC, &until);
-  seconds = seconds < 0 || seconds > 1e8 ? 1e8 : seconds;
-  time_t whole = (time_t)seconds;
-  until.tv_sec += whole;
-  until.tv_nsec += (long)((seconds - (double)whole) * 1e9);
-  if (until.tv_nsec >= 1000000000L) {
-    until.tv_nsec -= 1000000000L;
-    until.tv_sec++;
-  }
+  const double until = parallel_clock() + (seconds < 0 || seconds > 1e8 ? 1e8 : seconds);
   pthread_mutex_lock(&j->lock);
-  while (j->state == JOB_RUNNING &&
-         pthread_cond_timedwait(&j->changed, &j->lock, &until) != ETIMEDOUT) {
+  while (j->state == JOB_RUNNING && threads_wait(&j->changed, &j->lock, until)) {
   }
   bool finished = j->state != JOB_RUNNING;
   pthread_mutex_unlock(&j->lock);

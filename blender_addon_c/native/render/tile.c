@@ -2,7 +2,6 @@
 #include "render/tile.h"
 
 #include <math.h>
-#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +10,7 @@
 #include "render/bounce.h"
 #include "scene/texture.h"
 #include "system/parallel.h"
+#include "system/threads.h"
 
 static bool cancelled(const render *r) {
   return atomic_load_explicit(r->cancel, memory_order_relaxed);
@@ -189,7 +189,7 @@ static void work(void *context, size_t number) {
         break;
       /* a tile's passes are added up in their order: sums of floats depend on it */
       while (atomic_load_explicit(&r->done[tile], memory_order_acquire) < pass && goes_on(r, pass))
-        sched_yield();
+        threads_yield();
       if (atomic_load_explicit(&r->done[tile], memory_order_acquire) < pass)
         break;
       w.sampling = &r->plan->pass[pass];

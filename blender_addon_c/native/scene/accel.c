@@ -6,7 +6,6 @@
 #else
 #include <embree3/rtcore.h>
 #endif
-#include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +13,7 @@
 
 #include "system/library.h"
 #include "system/memory.h"
+#include "system/threads.h"
 
 #define EMBREE_LIBRARY "libshade_embree.so"
 

@@ -2,12 +2,12 @@
 #include "scene/texture.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "system/pages.h"
 #include "system/parallel.h"
+#include "system/threads.h"
 
 enum { BLOCK = 512, ROWS_PER_TASK = 32, SRGB_STEPS = 4096 };
 

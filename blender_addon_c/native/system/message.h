@@ -3,9 +3,10 @@
 #ifndef LIBSHADE_MESSAGE_H
 #define LIBSHADE_MESSAGE_H
 
-#include <pthread.h>
 #include <stdbool.h>
 #include <stddef.h>
+
+#include "system/threads.h"
 
 enum { MESSAGE_SIZE = 512, MESSAGE_WARNINGS = 64 };
 
