@@ -2,13 +2,12 @@
 #include "share.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
+
+#include "port/files.h"
+#include "port/map.h"
 
 enum { VERSION = 1, NUMBERS = 11 };
 static const char MAGIC[] = "shshare\n";
@@ -80,7 +79,7 @@ bool share_begin(share_writer *w, const char *path, const scene_file *f, const i
   if (shade_whole_begin(&w->whole, path, why, sizeof why) != 0)
     return fail(error, size, path, why);
   errno = 0;
-  w->file = fopen(w->whole.temporary, "wb");
+  w->file = shade_port_open(w->whole.temporary, "wb");
   bool good = w->file && put(w, MAGIC, MAGIC_SIZE) && put(w, &a, sizeof a);
   for (size_t k = 0; good && k < f->pictures; k++) {
     uint32_t channels = (uint32_t)channels_of_scene(f->picture[k].scene);
@@ -187,19 +186,10 @@ static const char *read_about(share *s, const scene_file *f) {
 }
 
 static const char *open_share(share *s, const char *path, const scene_file *f) {
-  struct stat there = {0};
-  int file = open(path, O_RDONLY | O_CLOEXEC);
-  void *map = MAP_FAILED;
-  errno = file >= 0 ? EINVAL : errno;
-  if (file >= 0 && fstat(file, &there) == 0 && S_ISREG(there.st_mode) && there.st_size > 0)
-    map = mmap(NULL, (size_t)there.st_size, PROT_READ, MAP_PRIVATE, file, 0);
-  const int reason = errno;
-  if (file >= 0)
-    close(file);
-  if (map == MAP_FAILED)
-    return file >= 0 && !there.st_size ? "it is empty" : strerror(reason);
+  void *map = shade_port_map(path, &s->size);
+  if (!map)
+    return errno ? strerror(errno) : "it is empty";
   s->map = map;
-  s->size = (size_t)there.st_size;
   return read_about(s, f);
 }
 
@@ -310,7 +300,7 @@ bool share_fill(void *context, render *r) {
 void share_close(share_set *set) {
   for (size_t k = 0; set->share && k < set->count; k++) {
     if (set->share[k].map)
-      munmap((void *)(uintptr_t)set->share[k].map, set->share[k].size);
+      shade_port_unmap((void *)(uintptr_t)set->share[k].map, set->share[k].size);
     free(set->share[k].at);
     free(set->share[k].channels);
   }
