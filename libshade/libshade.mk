@@ -16,9 +16,10 @@ NO_PATH := "-ffile-prefix-map=$(CURDIR)=."
 DEBUG := -g1
 DEBUG_TYPES := -g
 # what the compiler makes code for, as isa.c and port/ ask it
-TARGET := $(shell printf '__x86_64__\n_WIN32\n' | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null)
+TARGET := $(shell printf '__x86_64__\n_WIN32\n__aarch64__\n' | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null)
 TARGET_IS_X86_64 := $(filter 1,$(word 1,$(TARGET)))
 TARGET_IS_WINDOWS := $(filter 1,$(word 2,$(TARGET)))
+TARGET_IS_ARM64 := $(filter 1,$(word 3,$(TARGET)))
 # how its programs are named, and what runs them here (windows.mk)
 EXE := $(if $(TARGET_IS_WINDOWS),.exe)
 RUN :=
@@ -48,7 +49,8 @@ ISA_scalar := $(FULL_VECTORS) -fno-openmp-simd -fno-tree-vectorize -Wno-unknown-
 ISA_sse2 := $(ONE_BRANCH) $(FULL_VECTORS) $(NO_PAIRS)
 ISA_avx2 := $(ONE_BRANCH) $(FULL_VECTORS) $(UNALIGNED) -mavx2 -mfma -mtune=haswell
 ISA_avx512 := $(ONE_BRANCH) $(FULL_VECTORS) $(UNALIGNED) -march=x86-64-v4 -mprefer-vector-width=512 $(if $(CC_IS_GCC),-mtune=icelake-server)
-ISAS := scalar $(if $(TARGET_IS_X86_64),sse2 avx2 avx512)
+ISA_neon := $(ONE_BRANCH) $(FULL_VECTORS)
+ISAS := scalar $(if $(TARGET_IS_X86_64),sse2 avx2 avx512) $(if $(TARGET_IS_ARM64),neon)
 
 O := $(B)/obj
 # what is compiled once for each precision, and that once more for each instruction set
@@ -162,6 +164,8 @@ $(O)/tool/%.o: $(L)/tool/%.c $(L)/libshade.mk
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(SHADE_CFLAGS) $(TOOL_EXR) $(CFLAGS) -MMD -c $< -o $@
+# gcc 12 fails to vectorise it for arm64 (in vect_transform_reduction)
+$(O)/tool/bench_cloth.o: CFLAGS += $(if $(TARGET_IS_ARM64),$(if $(CC_IS_GCC),-fno-tree-vectorize))
 # what `shade bench` times beside the library, under the library's flags
 $(ISAS:%=$(O)/tool/literal_%.o): $(O)/tool/literal_%.o: $(L)/tool/literal.c $(L)/libshade.mk
 	@mkdir -p $(@D)
@@ -282,3 +286,4 @@ $(B)/soak.txt: $(B)/test/soak
 
 include $(L)/fuzz/fuzz.mk
 include $(L)/windows.mk
+include $(L)/arm64.mk

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # What must be on the system: Debian packages and, in build/, Python environments with pinned packages.
-#   make setup-build setup-blender setup-povray setup-package setup-demo setup-test setup-peers setup-release setup-windows
+#   make setup-build setup-blender setup-povray setup-package setup-demo setup-test setup-peers setup-release setup-windows setup-arm64
 # The system's own Python, once it is there. Wheels of bpy are each for one version of it: 3.11 on Debian 12, 3.13 on 13
 PYTHON3 := /usr/bin/python3
 PYTHON_VERSION = $(shell $(PYTHON3) -c 'import sys; print("%d.%d" % sys.version_info[:2])')
@@ -45,7 +45,8 @@ NEEDS_lint := lint
 NEEDS_release := build blender release
 NEEDS_windows := build windows
 NEEDS_check-windows := build windows test
-NEEDS_soak-machines := $(NEEDS_check-windows)
+NEEDS_check-arm64 := build windows arm64
+NEEDS_soak-machines := $(NEEDS_check-windows) arm64
 NEEDS_fuzz := build blender test
 # what make must find when it starts; the rest is fetched and unpacked while these are compiled
 NEEDS_check := build blender
@@ -54,7 +55,7 @@ ifneq ($(NEEDS),)
 include $(NEEDS:%=$(S)/%.stamp)
 endif
 
-SETUPS := build blender povray package demo test lint peers release windows
+SETUPS := build blender povray package demo test lint peers release windows arm64
 .PHONY: $(SETUPS:%=setup-%)
 $(SETUPS:%=setup-%): setup-%: $(S)/%.stamp
 

@@ -18,6 +18,8 @@
   ROW(avx2, HAS("avx2") && HAS("fma"))                                                             \
   ROW(avx512, HAS("avx512f") && HAS("avx512bw") && HAS("avx512cd") && HAS("avx512dq") &&           \
                   HAS("avx512vl") && HAS("bmi") && HAS("bmi2") && HAS("avx2") && HAS("fma"))
+#elif defined(__aarch64__) /* which has NEON, always */
+#define ISA_ROWS(ROW) ROW(scalar, 1) ROW(neon, 1)
 #else
 #define ISA_ROWS(ROW) ROW(scalar, 1)
 #endif

@@ -171,9 +171,12 @@ static void colours_with(shade_brdf brdf) {
     uint64_t seed = 7;
     for (int i = 0; i < PAIRS; i++) {
       double wi[3], wo[3];
-      spherical(PI / 3 * uniform(&seed), 2 * PI * uniform(&seed), wi);
+      double u[4]; /* drawn one by one: compilers evaluate arguments in orders of their own */
+      for (int k = 0; k < 4; k++)
+        u[k] = uniform(&seed);
+      spherical(PI / 3 * u[1], 2 * PI * u[0], wi);
       /* near the mirror image, as far off as the highlight reaches */
-      spherical(acos(wi[2]) * uniform(&seed), atan2(-wi[1], -wi[0]) + uniform(&seed) - 0.5, wo);
+      spherical(acos(wi[2]) * u[3], atan2(-wi[1], -wi[0]) + u[2] - 0.5, wo);
       const double want = true_mean(&p, covariance, wi, wo);
       size += want;
       for (int k = 0; k < 4; k++) {

@@ -70,7 +70,7 @@ def test_instruction_sets_are_the_targets():
     environment = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "WERROR")}
     text = subprocess.run(["make", "-nB", "NEEDS=", "V=1", "CC=clang --target=aarch64-linux-gnu", "build/libshade.a"], cwd=ROOT,
                           env=environment, check=True, capture_output=True, text=True).stdout
-    assert "-DISA=scalar" in text and "-DISA=avx2" not in text
+    assert "-DISA=scalar" in text and "-DISA=neon" in text and "-DISA=avx2" not in text
     assert "-Werror" not in text, "that is for `make check`"
     here = subprocess.run(["cc", "-dumpmachine"], check=True, capture_output=True, text=True).stdout
     assert ("isa_avx2_float.o" in members("nm")) == here.startswith("x86_64")

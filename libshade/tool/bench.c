@@ -151,6 +151,9 @@ static beside beside_of(const shade_isa_table *isa) {
     return (beside){literal_avx2, stream_single_avx2, stream_twice_avx2};
   if (isa == &shade_isa_sse2)
     return (beside){literal_sse2, stream_single_sse2, stream_twice_sse2};
+#elif defined(__aarch64__)
+  if (isa != &shade_isa_scalar)
+    return (beside){literal_neon, stream_single_neon, stream_twice_neon};
 #endif
   (void)isa;
   return (beside){literal_scalar, stream_single_scalar, stream_twice_scalar};
@@ -287,7 +290,7 @@ static void usage(FILE *to) {
       "  --csv            what,method,distribution,precision,isa,set,ns,ratio_perturb,\n"
       "                   ratio_stream,max_error\n"
       "  --output FILE    these columns into a file, beside what is printed\n"
-      "  --isa NAME       avx512, avx2, sse2 or scalar (default: that of shade --version)\n"
+      "  --isa NAME       avx512, avx2, sse2, neon or scalar (default: that of shade --version)\n"
       "  --all            every instruction set of this CPU\n"
       "  --mdf NAME       one distribution only\n"
       "  --what NAME      D, f, D_call, f_call, cloth, lanes, maps, diffuse or lobes only, or f_ "

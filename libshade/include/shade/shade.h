@@ -858,7 +858,7 @@ SHADE_API unsigned shade_bsdf_pdf_batchf(const shade_bsdf *b, size_t count, cons
  *
  * Threads: no thread may change the environment meanwhile.
  *
- * @return "avx512", "avx2", "sse2" or "scalar", a text that stays
+ * @return "avx512", "avx2", "sse2", "neon" or "scalar", a text that stays
  */
 SHADE_API const char *shade_isa(void);
 

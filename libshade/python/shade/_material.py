@@ -384,9 +384,9 @@ def sample(material: Material, n: ArrayLike | None, wo: ArrayLike, u: ArrayLike,
 
 
 def isa() -> str:
-    """The instruction set that what is made now runs on: "avx512", "avx2", "sse2" or "scalar".
+    """The instruction set that what is made now runs on: "avx512", "avx2", "sse2", "neon" or "scalar".
 
-    >>> shade.isa() in ("avx512", "avx2", "sse2", "scalar")
+    >>> shade.isa() in ("avx512", "avx2", "sse2", "neon", "scalar")
     True
     """
     return text(LIB.shade_isa())
