@@ -96,7 +96,7 @@ static int make_folder_of_any_length(const char *path, int wanted) {
 
 static void names_of_any_length(void **state) {
   (void)state;
-  static char path[LONGEST], file[LONGEST];
+  static char path[LONGEST], file[LONGEST + sizeof "/cloth.exr"];
   size_t ends[DEEP];
 #ifdef _WIN32
   assert_non_null(_fullpath(path, folder, sizeof path));
