@@ -52,7 +52,7 @@ $(BLENDER_READY): $(BLENDER_FILES)
 	$(Q)rm -f $(BLENDER_STALE)
 	@touch $@
 
-$(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c/%.py,nodes metal_tree builder groove \
+$(BLENDER_CATALOGS): blender_addon_c/make_assets.py $(patsubst %,blender_addon_c/%.py,nodes metal_tree builder groove export/strokes \
   $(addprefix fabric/,node maps place shade tree yarns) $(addprefix scratches/,field images tree)) \
   $(N)/scene/cloth_picture.c $(L)/src/presets.c $(L)/include/shade/table.h | $(BLENDER_READY)
 	$(call say,render   ,$(@D))

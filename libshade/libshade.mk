@@ -15,8 +15,8 @@ NO_PATH := "-ffile-prefix-map=$(CURDIR)=."
 # holds public functions has their types (`make abi`)
 DEBUG := -g1
 DEBUG_TYPES := -g
-# what the compiler makes code for, as isa.c and port/ ask it
-TARGET := $(shell printf '__x86_64__\n_WIN32\n__aarch64__\n' | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null)
+# what the compiler makes code for, as isa.c and port/ ask it; behind what CFLAGS may include
+TARGET := $(shell printf '__x86_64__\n_WIN32\n__aarch64__\n' | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null | tail -n 3)
 TARGET_IS_X86_64 := $(filter 1,$(word 1,$(TARGET)))
 TARGET_IS_WINDOWS := $(filter 1,$(word 2,$(TARGET)))
 TARGET_IS_ARM64 := $(filter 1,$(word 3,$(TARGET)))

@@ -83,24 +83,22 @@ def submit(job, numbers, _round=0):
     """To the end; Ctrl-C stops it, and `resume` goes on."""
     slots = max(1, len(os.sched_getaffinity(0)) // job.said["threads"])
     files.write_json(job.path("engine.json"), {"engine": "local", "pid": os.getpid(), "host": files.host()})
-    signal.signal(signal.SIGTERM, _on_signal)
+    stop = threading.Event()  # an exception might come anywhere, also where threads are begun and waited for
+    for name in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(name, lambda *_: stop.set())
     begun, before = time.time(), len(job.items) - len(job.missing())
     for attempt in range(finish.ROUNDS):
         run = _Run(job, numbers)
         threads = [threading.Thread(target=run.work) for _ in range(min(slots, len(numbers)))]
-        try:
-            for thread in threads:
-                thread.start()
-            told = time.time()
-            while any(thread.is_alive() for thread in threads):
-                for thread in threads:
-                    thread.join(0.1)
-                if time.time() - told > 2:
-                    told = time.time()
-                    print(_progress(job, begun, before, slots), file=sys.stderr, flush=True)
-                if job.is_cancelled():
-                    raise KeyboardInterrupt
-        except KeyboardInterrupt:
+        for thread in threads:
+            thread.start()
+        told = time.time()
+        while any(thread.is_alive() for thread in threads) and not (stop.is_set() or job.is_cancelled()):
+            stop.wait(0.1)
+            if time.time() - told > 2:
+                told = time.time()
+                print(_progress(job, begun, before, slots), file=sys.stderr, flush=True)
+        if stop.is_set() or job.is_cancelled():
             run.end()
             for thread in threads:
                 thread.join()
@@ -111,6 +109,8 @@ def submit(job, numbers, _round=0):
             break
         if attempt + 1 < finish.ROUNDS:
             print(f"{len(numbers)} items failed; they are tried again", file=sys.stderr)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, _on_signal)
     wrong = finish.merge(job)
     for line in wrong:
         print(line, file=sys.stderr)

@@ -47,8 +47,8 @@ def exr_flags():
 def build_makedump(libraries, output, root=ROOT):
     source = root / "libshade"
     subprocess.run([CC, "-std=c11", "-O1", f"-I{source}/include", f"-I{source}", *exr_flags(),
-                    source / "test/makedump.c", libraries / "libshade.a",
-                    libraries / "libshade_dump.a", "-lOpenEXRCore-3_1", "-lm", "-o", output],
+                    source / "test/makedump.c", libraries / "libshade_dump.a",
+                    libraries / "libshade.a", "-lOpenEXRCore-3_1", "-lm", "-o", output],
                    check=True)
     return output
 

@@ -185,6 +185,7 @@ def run_program(source, prefix, folder, linking):
     assert run("pkg-config", "--modversion", "libshade", **environment).strip() == version()
     command = blocks("sh")[LINKINGS.index(linking)]
     if linking == "cmake":  # which names the folder of start/c
+        (folder / "libshade").unlink(missing_ok=True)
         (folder / "libshade").symlink_to(prefix)
         environment["HOME"] = str(folder)
     else:
