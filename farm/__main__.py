@@ -149,7 +149,8 @@ def submit(options):
         print(f"libshade-farm: warning: {path}: an input is not there", file=sys.stderr)
     said = {"scene": scene, "name": name, "words": about.get("words", options.words), "threads": threads, "items": items,
             "programs": {need: options.programs[need] for need in about["programs"]}, "environment": options.environment, "isa": options.isa,
-            "engine": options.engine, "sbatch": shlex.split(options.sbatch), "range": [first, last], "corner": about.get("corner", [0, 0]), "pictures": not about.get("no_frames"), "libraries": about.get("libraries", []), "clock": about.get("clock", False),
+            "engine": options.engine, "sbatch": shlex.split(options.sbatch), "range": [first, last], "corner": about.get("corner", [0, 0]),
+            "pictures": not about.get("no_frames"), "libraries": about.get("libraries", []), "clock": about.get("clock", False),
             "movie": None if options.no_movie or about.get("no_frames") else {"rate": options.rate or about.get("rate", 24), "layer": about.get("layer", "")}}
     if options.dry_run:
         plan = jobs.Job.planned(os.path.abspath(options.output or f"{name}-farm-1"), said)
@@ -278,7 +279,7 @@ def parser():
     one.add_argument("--dry-run", action="store_true", help="print items, inputs and commands, and begin nothing")
     one.add_argument("--pack", action="store_true", help="copy the scene and what it reads into FOLDER, for machines that share no other")
     one.add_argument("--also", metavar="FILE", action="append", default=[], help="another input, whose name the scene puts together")
-    one.add_argument("--isa", choices=("scalar", "sse2", "avx2", "avx512"), help="hold all machines to one instruction set (LIBSHADE_ISA)")
+    one.add_argument("--isa", choices=("scalar", "sse2", "avx2", "avx512", "neon"), help="hold all machines to one instruction set (LIBSHADE_ISA)")
     one.add_argument("--program", metavar="NAME=PATH", type=parse_program, action="append", default=[], help="blender, povray or shade-render")
     one.add_argument("--sbatch", metavar="WORDS", default="", help="more options for sbatch, as one word: --sbatch='--mem=4G --time=2:00:00'")
     one.add_argument("--no-movie", action="store_true", help="no movie of the frames (made where ffmpeg is found)")

@@ -88,10 +88,10 @@ CMAKE_PACKAGE := libshadeConfig.cmake libshadeConfigVersion.cmake
 seen_from = $(shell realpath -m -s --relative-to=$(1) $(2))
 # directories below the prefix are written in its terms, so that the file can be moved with them
 in_prefix = $(patsubst $(PREFIX)/%,$${prefix}/%,$(1))
-define SHADE_PC
-prefix=$(PREFIX)
-libdir=$(call in_prefix,$(LIBDIR))
-includedir=$(call in_prefix,$(INCLUDEDIR))
+define PC_OF
+prefix=$(1)
+libdir=$(2)
+includedir=$(3)
 
 Name: libshade
 Description: Anisotropic shading whose microfacet distribution follows the perturbed normal
@@ -100,6 +100,7 @@ Cflags: -I$${includedir}
 Libs: -L$${libdir} -lshade
 Libs.private: -lm
 endef
+SHADE_PC = $(call PC_OF,$(PREFIX),$(call in_prefix,$(LIBDIR)),$(call in_prefix,$(INCLUDEDIR)))
 # a name of our own: POV-Ray's configure reads PKGCONFIG
 export SHADE_PC
 

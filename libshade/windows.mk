@@ -48,18 +48,7 @@ windows-built: $(WINDOWS_LIBS)
 
 # programs in bin, with the DLL beside them; what is seen from lib is written so that the folder can lie anywhere
 WINDOWS_STAGE := $(W)/$(WINDOWS_NAME)
-define WINDOWS_PC
-prefix=$${pcfiledir}/../..
-libdir=$${prefix}/lib
-includedir=$${prefix}/include
-
-Name: libshade
-Description: Anisotropic shading whose microfacet distribution follows the perturbed normal
-Version: $(SHADE_VERSION)
-Cflags: -I$${includedir}
-Libs: -L$${libdir} -lshade
-Libs.private: -lm
-endef
+WINDOWS_PC = $(call PC_OF,$${pcfiledir}/../..,$${prefix}/lib,$${prefix}/include)
 export WINDOWS_PC
 # of what is linked into shade.exe; winpthreads' is in that of mingw-w64
 WINDOWS_LICENCES := $(WINDOWS_SOURCES)/libpng1.6-*/LICENSE $(WINDOWS_SOURCES)/openexr-*/LICENSE.md \

@@ -35,9 +35,9 @@ def _share(reader, node, groups):
     detail = math("CLAMP", math("LOGARITHM", seen, 2.0), 0.0, metal_tree.OCTAVES)
 
     def noise(at):
-        return reader.program.emit("NOISE", 1, dimensions=len(at), what="FBM", even=False, first=False,
-                                   at=[*at, 0.0][:4], detail=[detail],
-                                   roughness=[metal_tree.UNEVEN], lacunarity=[2.0], offset=[0.0], gain=[1.0])[0]
+        found = reader.program.emit("NOISE", 1, dimensions=len(at), what="FBM", even=False, first=False, at=[*at, 0.0][:4], detail=[detail],
+                                    roughness=[metal_tree.UNEVEN], lacunarity=[2.0], offset=[0.0], gain=[1.0])[0]
+        return math("MULTIPLY", found, _FLATTER) if len(at) == 4 else found
 
     turns = number_of(reader, node.inputs["Rotation"], groups) if "Rotation" in node.inputs else 0.0
     if is_known(turns) and turns % 1 == 0:
@@ -45,8 +45,7 @@ def _share(reader, node, groups):
     else:
         found = _turned(reader, noise, turns, *_plane(reader, node, width))
     found = math("MULTIPLY", found, math("MINIMUM", seen, 1.0))
-    contrast = metal_tree.CONTRAST * (_FLATTER if node.grain.startswith("RADIAL") else 1.0)
-    return math("CLAMP", math("MULTIPLY_ADD", found, contrast, 0.5), 0.0, 1.0)
+    return math("CLAMP", math("MULTIPLY_ADD", found, metal_tree.CONTRAST, 0.5), 0.0, 1.0)
 
 
 def _turned(reader, noise, turns, along, across, beside):
@@ -73,16 +72,23 @@ def _turned(reader, noise, turns, along, across, beside):
 
 
 def _place(reader, node, width):
-    """The point in the object in widths, from the grain's axis on, the normal, its size, and whether it looks along that axis most."""
-    math = reader.program.math
+    """The point in the object in widths, from the grain's axis on."""
     reader.measures()
     in_object, at = of_object(reader, "METRES")[1], _AXES.index(node.grain[-1])
-    place = each(reader, "MULTIPLY", of_object(reader, "POINT_INTO", position(reader)), (math("MULTIPLY", in_object, 1.0 / width),) * 3)
-    normal = of_object(reader, "NORMAL_INTO", reader.program.emit("GEOMETRY", what="NORMAL"))
+    scale = reader.program.math("MULTIPLY", in_object, 1.0 / width)
+    place = each(reader, "MULTIPLY", of_object(reader, "POINT_INTO", position(reader)), (scale,) * 3)
+    return [place[(at + k) % 3] for k in range(3)]
+
+
+def _faces(reader, node):
+    """The normal in the object, from the grain's axis on, and whether it looks along that axis most; else along the next one more
+    than along the last; and whether it leans towards the axis."""
+    math, at = reader.program.math, _AXES.index(node.grain[-1])
+    found = of_object(reader, "NORMAL_INTO", reader.program.emit("GEOMETRY", what="NORMAL"))
+    normal = [found[(at + k) % 3] for k in range(3)]
     size = each(reader, "ABSOLUTE", normal)
-    ends = math("GREATER_THAN", size[at], math("MAXIMUM", size[at - 1], size[at - 2]))  # faces along the axis
-    turn = [(at + k) % 3 for k in range(3)]
-    return [place[k] for k in turn], [normal[k] for k in turn], [size[k] for k in turn], ends
+    ends = math("GREATER_THAN", size[0], math("MAXIMUM", size[1], size[2]))
+    return normal, ends, math("GREATER_THAN", size[1], size[2]), math("GREATER_THAN", size[0], _LEANS)
 
 
 def _in_map(reader, node, width):
@@ -97,14 +103,12 @@ def _where(reader, node, width):
     if kind == "UV":
         u, v = _in_map(reader, node, width)
         return math("MULTIPLY", u, 1.0 / metal_tree.LENGTHS), v, 0.0
-    (own, following, last), _normal, size, ends = _place(reader, node, width)
+    own, following, last = _place(reader, node, width)
     if kind == "AXIS":  # where they look along it strokes lie along the next one, as the tangent does
-        leans = math("GREATER_THAN", size[0], _LEANS)  # there as if seen from the side that the face looks to
-        beside = math("GREATER_THAN", size[1], size[2])
-        along = math("MIX", own, following, ends)
-        near = math("MIX", following, _APART, math("MULTIPLY", leans, math("MAXIMUM", beside, ends)))
-        far = math("MULTIPLY", leans, math("MULTIPLY", math("SUBTRACT", 1.0, beside), math("SUBTRACT", 1.0, ends)))
-        return math("MULTIPLY", along, 1.0 / metal_tree.LENGTHS), near, math("MIX", last, _APART, far)
+        _normal, ends, beside, leans = _faces(reader, node)  # where they lean, as if seen from the side that they look to
+        along, depth = math("MIX", own, following, ends), math("MAXIMUM", beside, ends)  # that of `following`, else of `last`
+        return (math("MULTIPLY", along, 1.0 / metal_tree.LENGTHS), math("MIX", following, _APART, math("MULTIPLY", leans, depth)),
+                math("MIX", last, _APART, math("MULTIPLY", leans, math("SUBTRACT", 1.0, depth))))
     radius = math("SQRT", math("MULTIPLY_ADD", last, last, math("MULTIPLY", following, following)))
     turn = math("DIVIDE", metal_tree.A_TURN, math("MAXIMUM", radius, 1e-6))
     return own, radius, math("MULTIPLY", following, turn), math("MULTIPLY", last, turn)
@@ -116,15 +120,15 @@ def _plane(reader, node, width):
     if kind == "UV":
         u, v = _in_map(reader, node, width)
         return u, math("MULTIPLY", v, _hand_of_map(reader, node)), 0.0
-    (own, following, last), normal, size, ends = _place(reader, node, width)
+    own, following, last = _place(reader, node, width)
+    normal, ends, beside, leans = _faces(reader, node)
     hand = _hand_of_object(reader)
     if kind == "AXIS":  # on faces along `following`, along `last`, along the axis itself
-        beside = math("GREATER_THAN", size[1], size[2])
         signed = [math("SIGN", part) for part in normal]
         sides = (math("MULTIPLY", following, signed[2]), math("MULTIPLY", math("MULTIPLY", last, signed[1]), -1.0))
         across = math("MIX", math("MIX", *sides, beside), math("MULTIPLY", last, signed[0]), ends)
         along, rest = math("MIX", own, following, ends), math("MIX", math("MIX", last, following, beside), own, ends)
-        return along, math("MULTIPLY", across, hand), rest
+        return along, math("MULTIPLY", across, hand), math("MIX", rest, 0.0, leans)
     # A spiral keeps its angle where it winds by the logarithm of the radius: widths are right where that is a power of two.
     radius = math("MAXIMUM", math("SQRT", math("MULTIPLY_ADD", last, last, math("MULTIPLY", following, following))), 1e-6)
     near = math("POWER", 2.0, math("ROUND", math("LOGARITHM", radius, 2.0)))

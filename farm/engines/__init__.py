@@ -8,6 +8,8 @@
     cancel(job)                    ends what runs
 """
 
+import files
+
 from . import local, slurm
 
 BY_NAME = {"local": local, "slurm": slurm}
@@ -15,5 +17,4 @@ BY_NAME = {"local": local, "slurm": slurm}
 
 def of(job):
     """That of a submission's last start."""
-    import files
     return BY_NAME[files.read_json(job.path("engine.json"), {}).get("engine", job.said["engine"])]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """As many items at once as this machine's cores allow."""
 
+import contextlib
 import os
 import shlex
 import signal
@@ -57,7 +58,8 @@ class _Run:
         with self.lock:
             self.ended = True
             for child in self.children:
-                child.terminate()
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(child.pid, signal.SIGTERM)  # and its renderer, also one that it has just begun
 
 
 def _progress(job, begun, done_before, slots):

@@ -87,7 +87,8 @@ def examine(scene, options):
     elif any(re.fullmatch(r"\+F[^N].*|Output_File_Type=[^N].*", word, re.I) and not re.match(r"\+FN", word, re.I) for word in words):
         no_tiles = "tiles are joined as PNG (+FN) only"
     return {"frames": [None], "size": size, "samples": 0, "cloth": False, "inputs": inputs, "programs": ["povray"], "rate": 24, "grid": GRID,
-            "clock": any(re.match(r"\+KFF|Final_Frame=", word, re.I) for word in words), "libraries": libraries, "words": [os.path.abspath(word) if _is_ini(word) else word for word in options.words if not _LIBRARY.fullmatch(word)],
+            "clock": any(re.match(r"\+KFF|Final_Frame=", word, re.I) for word in words), "libraries": libraries,
+            "words": [os.path.abspath(word) if _is_ini(word) else word for word in options.words if not _LIBRARY.fullmatch(word)],
             "no_tiles": no_tiles, "no_shares": "POV-Ray's samples have no numbers, so that there are no shares of them: take --tiles or --frames"}
 
 

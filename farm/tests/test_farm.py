@@ -87,7 +87,8 @@ def test_parts_merge_to_the_picture(saved, tmp_path):
         folder = pathlib.Path(words.splitlines()[0].split("; all of it is in ")[1])
         assert folder.parent == tmp_path and f"{count} of {count} items are whole" in words
         found, made = pixels(folder / "frames" / f"{NAME}.exr")
-        assert found == names and (made == whole).all() if count == 4 else np.allclose(made, whole, rtol=3e-6, atol=3e-6)
+        assert found == names
+        assert (made == whole).all() if count == 4 else np.allclose(made, whole, rtol=3e-6, atol=3e-6)
         assert not list((folder / "work").iterdir()) and not list((folder / "running").iterdir())
 
 

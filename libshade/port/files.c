@@ -111,10 +111,10 @@ int shade_port_create(const char *path) {
 
 int shade_port_rename(const char *from, const char *to) {
   enum { TRIES = 20, PAUSE = 10 }; /* ms: what looks for viruses has a new file open for a while */
-  wchar_t *old = shade_port_wide_name(from), *new = shade_port_wide_name(to);
+  wchar_t *old = shade_port_wide_name(from), *wanted = shade_port_wide_name(to);
   int moved = 0;
-  for (int i = 0; old && new && !moved &&i < TRIES; i++) {
-    moved = MoveFileExW(old, new, MOVEFILE_REPLACE_EXISTING) != 0;
+  for (int i = 0; old && wanted && !moved && i < TRIES; i++) {
+    moved = MoveFileExW(old, wanted, MOVEFILE_REPLACE_EXISTING) != 0;
     if (!moved) {
       set_errno();
       if (errno != EACCES)
@@ -123,7 +123,7 @@ int shade_port_rename(const char *from, const char *to) {
     }
   }
   free(old);
-  free(new);
+  free(wanted);
   return moved ? 0 : -1;
 }
 

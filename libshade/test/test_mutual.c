@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* COST = 1.1 */
+/* COST = 2 */
 /*
  * Bumps that shade and light each other (horizon mutual): the reference, draws, a white furnace,
  * the limits of no slopes, parameters of each sample, senseless input.
@@ -142,6 +142,42 @@ static void nodes(void **state) {
   }
   print_message("four facets of each side: off by %.3f in the mean, %.3f at most\n", mean, most);
   assert_true(total > 0.05 && mean <= 0.035 && most <= 0.12);
+}
+
+/* Over whole maps that light has the right mean, whatever the slope and the lobe's width: what a
+ * map shows is a mean, of points as large as the eye sees them. */
+static void nodes_over_maps(void **state) {
+  (void)state;
+  static const shade_mdf kinds[] = {SHADE_MDF_ASHIKHMIN_SHIRLEY, SHADE_MDF_BECKMANN, SHADE_MDF_GGX};
+  static const double alphas[] = {0.2, 0.4, 0.7}, spreads[] = {0.3, 0.7, 1.4};
+  uint64_t seed = 33;
+  enum { POINTS = 24 };
+  for (int kind = 0; kind < 3; kind++) {
+    double sum = 0, most = 0;
+    for (int at = 0; at < 9; at++) {
+      const double alpha = alphas[at / 3], spread = spreads[at % 3];
+      double off = 0, weights = 0;
+      for (int k = 0; k < POINTS; k++) {
+        shade_params p;
+        double n[3], wo[3];
+        shade_params_init(&p);
+        p.mdf = kinds[kind];
+        p.horizon = SHADE_HORIZON_MUTUAL;
+        shade_params_set_alphas(&p, alpha, alpha);
+        p.slopes[2] = p.slopes[4] = spread * spread;
+        normal_of(spread * gauss(&seed), spread * gauss(&seed), n);
+        spherical((15 + 60 * uniform(&seed)) * PI / 180, 2 * PI * uniform(&seed), wo);
+        const double seen = fmax(n[0] * wo[0] + n[1] * wo[1] + n[2] * wo[2], 0) / n[2];
+        off += seen * (shade_ref_kept_back(&p, n, wo, 0) - shade_ref_kept_back(&p, n, wo, 40));
+        weights += seen;
+      }
+      sum += off / weights / 9;
+      most = fmax(most, fabs(off / weights));
+    }
+    print_message("%s: off by %+.3f in the mean of maps, %.3f at most\n",
+                  shade_list_word(SHADE_LIST_MDF, kinds[kind]), sum, most);
+    assert_true(fabs(sum) <= 0.02 && most <= 0.06);
+  }
 }
 
 /* Draws fall as their density says, and their mean f cos / pdf is finite. */
@@ -478,13 +514,10 @@ static void hostile(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(against_reference),
-      cmocka_unit_test(nodes),
-      cmocka_unit_test(draws),
-      cmocka_unit_test(furnace),
-      cmocka_unit_test(limits),
-      cmocka_unit_test(each_sample),
-      cmocka_unit_test(hostile),
+      cmocka_unit_test(against_reference), cmocka_unit_test(nodes),
+      cmocka_unit_test(nodes_over_maps),   cmocka_unit_test(draws),
+      cmocka_unit_test(furnace),           cmocka_unit_test(limits),
+      cmocka_unit_test(each_sample),       cmocka_unit_test(hostile),
       cmocka_unit_test(right_above),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

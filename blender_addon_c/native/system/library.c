@@ -2,16 +2,9 @@
 #define _GNU_SOURCE /* dladdr, RTLD_DEEPBIND */
 #include "system/library.h"
 
-#include <stdint.h>
+#include <dlfcn.h>
 #include <stdio.h>
 #include <string.h>
-#ifdef _WIN32
-#define WIN32_LEAN_AND_MEAN
-#include <wchar.h>
-#include <windows.h>
-#else
-#include <dlfcn.h>
-#endif
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)
@@ -27,48 +20,6 @@
 #else
 #define SCOPE RTLD_DEEPBIND
 #endif
-
-#ifdef _WIN32
-
-/* A DLL's names are its own: no scope to keep apart. What it needs is looked for beside it first,
- * and by names of ours. */
-static void *open_one(const wchar_t *name, const char *shown, char *error, size_t error_size) {
-  void *library =
-      LoadLibraryExW(name, NULL, wcschr(name, L'\\') ? LOAD_WITH_ALTERED_SEARCH_PATH : 0);
-  const size_t used = strlen(error);
-  if (!library)
-    snprintf(error + used, error_size - used, "%s %s: error %lu of Windows",
-             used ? "; nor" : "cannot load", shown, GetLastError());
-  return library;
-}
-
-void *library_open(const char *own, const char *system, char *error, size_t error_size) {
-  wchar_t path[32768];
-  HMODULE self;
-  void *library = NULL;
-  static const char anchor = 0; /* its address is inside this module */
-  error[0] = '\0';
-  if (own && GetModuleHandleExW(GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS |
-                                    GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
-                                (const wchar_t *)&anchor, &self)) {
-    const DWORD most = sizeof path / sizeof *path, length = GetModuleFileNameW(self, path, most);
-    wchar_t *end = length && length < most ? wcsrchr(path, L'\\') : NULL;
-    if (end && swprintf(end, most - (size_t)(end - path), L"\\lib\\%hs", own) > 0)
-      library = open_one(path, own, error, error_size);
-  }
-  wchar_t name[256];
-  if (!library && swprintf(name, sizeof name / sizeof *name, L"%hs", system) > 0)
-    library = open_one(name, system, error, error_size);
-  if (library)
-    error[0] = '\0';
-  return library;
-}
-
-void *library_symbol(void *library, const char *name) {
-  return (void *)(uintptr_t)GetProcAddress(library, name);
-}
-
-#else
 
 /* NULL, and why at the end of the message so far. */
 static void *open_one(const char *name, char *error, size_t error_size) {
@@ -103,5 +54,3 @@ void *library_open(const char *own, const char *system, char *error, size_t erro
 void *library_symbol(void *library, const char *name) {
   return dlsym(library, name);
 }
-
-#endif

@@ -2,52 +2,6 @@
 #define _GNU_SOURCE /* madvise, fstatfs */
 #include "system/pages.h"
 
-#ifdef _WIN32
-
-#define WIN32_LEAN_AND_MEAN
-#include <windows.h>
-
-enum { LARGE = 64 << 20 };
-
-static HANDLE nameless_file(void) {
-  wchar_t folder[MAX_PATH + 1], path[MAX_PATH];
-  if (!GetTempPathW(MAX_PATH + 1, folder) || !GetTempFileNameW(folder, L"shd", 0, path))
-    return INVALID_HANDLE_VALUE;
-  return CreateFileW(path, GENERIC_READ | GENERIC_WRITE | DELETE, 0, NULL, CREATE_ALWAYS,
-                     FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL);
-}
-
-void *pages_new(size_t bytes) {
-  if (bytes < LARGE)
-    return NULL;
-  const HANDLE file = nameless_file();
-  if (file == INVALID_HANDLE_VALUE)
-    return NULL;
-  const unsigned long long size = bytes; /* there is room for it, or no mapping */
-  const HANDLE mapping =
-      CreateFileMappingW(file, NULL, PAGE_READWRITE, (DWORD)(size >> 32), (DWORD)size, NULL);
-  void *block = mapping ? MapViewOfFile(mapping, FILE_MAP_ALL_ACCESS, 0, 0, 0) : NULL;
-  if (mapping)
-    CloseHandle(mapping);
-  CloseHandle(file); /* the view keeps it */
-  return block;
-}
-
-void pages_leave(void *block, size_t bytes) {
-  VirtualUnlock(block, bytes); /* what is not locked leaves the working set */
-}
-
-size_t pages_resident(void) {
-  return 0;
-}
-
-void pages_free(void *block, size_t bytes) {
-  (void)bytes;
-  UnmapViewOfFile(block);
-}
-
-#else
-
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -104,5 +58,3 @@ size_t pages_resident(void) {
 void pages_free(void *block, size_t bytes) {
   munmap(block, bytes);
 }
-
-#endif

@@ -6,10 +6,6 @@
 #include <sched.h>
 #include <stdatomic.h>
 #include <time.h>
-#ifdef _WIN32
-#define WIN32_LEAN_AND_MEAN
-#include <windows.h>
-#endif
 #if defined(__SSE2__)
 #include <xmmintrin.h>
 #endif
@@ -54,24 +50,6 @@ void parallel_for(int threads, size_t count, void (*work)(void *context, size_t 
     pthread_join(helper[--helpers], NULL);
 }
 
-#ifdef _WIN32
-
-int parallel_cores(void) {
-  DWORD_PTR own, all;
-  if (GetProcessAffinityMask(GetCurrentProcess(), &own, &all) && own)
-    return __builtin_popcountll(own);
-  return (int)GetActiveProcessorCount(ALL_PROCESSOR_GROUPS); /* in several groups it has no mask */
-}
-
-double parallel_clock(void) {
-  LARGE_INTEGER now, second;
-  QueryPerformanceCounter(&now);
-  QueryPerformanceFrequency(&second);
-  return (double)now.QuadPart / (double)second.QuadPart;
-}
-
-#else
-
 int parallel_cores(void) {
   cpu_set_t set;
   if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
@@ -84,5 +62,3 @@ double parallel_clock(void) {
   clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
-
-#endif

@@ -5,34 +5,9 @@
 #include <sched.h>
 #include <time.h>
 
-#include "system/parallel.h"
-
 void threads_yield(void) {
   sched_yield();
 }
-
-static struct timespec moment(double seconds) {
-  const time_t whole = (time_t)seconds;
-  return (struct timespec){.tv_sec = whole, .tv_nsec = (long)((seconds - (double)whole) * 1e9)};
-}
-
-#ifdef _WIN32
-
-/* winpthreads waits by the clock that tells the time of day: for what is left of the other */
-void threads_condition(pthread_cond_t *changed) {
-  pthread_cond_init(changed, NULL);
-}
-
-bool threads_wait(pthread_cond_t *changed, pthread_mutex_t *lock, double until) {
-  struct timespec now;
-  clock_gettime(CLOCK_REALTIME, &now);
-  const double left = until - parallel_clock();
-  const struct timespec end =
-      moment((double)now.tv_sec + 1e-9 * (double)now.tv_nsec + (left > 0 ? left : 0));
-  return pthread_cond_timedwait(changed, lock, &end) != ETIMEDOUT;
-}
-
-#else
 
 void threads_condition(pthread_cond_t *changed) {
   pthread_condattr_t steady;
@@ -43,8 +18,7 @@ void threads_condition(pthread_cond_t *changed) {
 }
 
 bool threads_wait(pthread_cond_t *changed, pthread_mutex_t *lock, double until) {
-  const struct timespec end = moment(until);
+  const time_t whole = (time_t)until;
+  const struct timespec end = {.tv_sec = whole, .tv_nsec = (long)((until - (double)whole) * 1e9)};
   return pthread_cond_timedwait(changed, lock, &end) != ETIMEDOUT;
 }
-
-#endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* POSIX threads, which Windows has by winpthreads, and what differs. */
+/* POSIX threads, and what is no part of C of them. */
 #ifndef LIBSHADE_THREADS_H
 #define LIBSHADE_THREADS_H
 

@@ -371,9 +371,9 @@ def groove_in(tree):
 
 def turned_strokes(folder):
     """What the tool left, turned with the highlight: on a plate, by a map and by one that is mirrored, on a mirrored object, round the
-    middle, and by a texture that turns on from below to above. Not turned on a face that leans towards the axis."""
+    middle, and by a texture that turns on from below to above. On a face that leans towards the axis, turned and not."""
     turned = {"axis": "AXIS_X", "map": "UV", "mirrored_map": "UV", "mirrored": "AXIS_X", "round": "RADIAL_Z", "leaning": "AXIS_X",
-              "textured": "AXIS_X"}
+              "leaning_turned": "AXIS_X", "textured": "AXIS_X"}
     for engine, words in (("CYCLES", ("axis", "map")), ("LIBSHADE", turned)):
         scene = new_scene(engine)
         material, tree, node = common.metal("strokes")
@@ -388,7 +388,7 @@ def turned_strokes(folder):
                 corner.uv.x *= -1
             # to the right of the middle circles run along y
             scene.camera.location.x, scene.camera.data.ortho_scale = (0.7, 0.3) if word == "round" else (0, 1)
-            lean = Matrix.Rotation(0.6 if word == "leaning" else 0.0, 4, "Y")
+            lean = Matrix.Rotation(0.6 if word.startswith("leaning") else 0.0, 4, "Y")
             shown.data.transform(lean)
             shown.rotation_euler = lean.inverted().to_euler()
             node.inputs["Rotation"].default_value = 0.0 if word == "leaning" else 0.1
