@@ -175,7 +175,7 @@ static void nodes_over_maps(void **state) {
       most = fmax(most, fabs(off / weights));
     }
     print_message("%s: off by %+.3f in the mean of maps, %.3f at most\n",
-                  shade_list_word(SHADE_LIST_MDF, kinds[kind]), sum, most);
+                  shade_list_word(SHADE_LIST_MDF, (int)kinds[kind]), sum, most);
     assert_true(fabs(sum) <= 0.02 && most <= 0.06);
   }
 }
