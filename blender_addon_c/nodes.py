@@ -25,6 +25,7 @@ _OURS = (METAL, FABRIC, SCRATCHES)
 _TABLE = _native.table()
 # Table lists whose property on the node has another name.
 _PROPERTY_OF_LIST = {"mdf": "distribution"}
+_OF_LOBE = ("distribution", "brdf")
 _SETS = {"ex": SHAPE, "ey": SHAPE, "ax": SHAPE, "ay": SHAPE, "kd": MATT_COLOR}
 _OF_SOCKETS = {SHAPE: "set_shape", MATT_COLOR: "set_matt", EDGE: "set_edge"}  # what properties set them to
 
@@ -393,7 +394,9 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
     def draw_advanced(self, layout):
         """What most artists need not touch."""
         for _name, attribute in _choices():
-            layout.prop(self, attribute)
+            choice = layout.row()
+            choice.enabled = self.strokes == 0 or attribute not in _OF_LOBE  # strokes have a lobe of their own
+            choice.prop(self, attribute)
         layout.operator_menu_enum(LIBSHADE_OT_measured_metal.bl_idname, "metal", text="Measured Metal")
         for row in _parameters():
             socket = {"f82": EDGE[0], "kd": "Diffuse Color"}.get(row["word"])  # says the same

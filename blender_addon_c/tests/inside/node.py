@@ -181,6 +181,10 @@ def test_sliders(node):
         node.width_as = width
         node.draw_advanced(Layout(drawn))
     assert {"shown_ax", "shown_ay", "shown_ex", "shown_ey", "Measured Metal", "distribution", "detail"} <= set(drawn)
+    node.strokes, seen = 0.5, []
+    node.draw_advanced(Layout(seen))
+    assert {"distribution, grey", "brdf, grey"} == {word for word in seen if word.endswith("grey")}
+    node.strokes = 0.0
     layout = Layout(drawn)
     type(node).draw_buttons(node, SimpleNamespace(object=None), layout)
     assert drawn[-4:] == ["grain", "uv_map", "strokes", "bump_response"]
@@ -376,14 +380,14 @@ class Layout:
     """Takes what a panel draws; a property that is not there is an error."""
 
     def __init__(self, drawn):
-        self.drawn, self.pointers = drawn, {}
+        self.drawn, self.pointers, self.enabled = drawn, {}, True
 
     def context_pointer_set(self, name, owner):
         self.pointers[name] = owner
 
     def prop(self, owner, name, **_text):
         assert hasattr(owner, name), (owner, name)
-        self.drawn.append(name)
+        self.drawn.append(name if self.enabled else f"{name}, grey")
 
     def operator(self, name, text="", icon=""):
         self.drawn.append(text or name)
