@@ -254,13 +254,14 @@ int main(int argc, char **argv) {
   static const double elevations[] = {80, 60, 40, 20, 10, 5};
   enum { ELEVATIONS = sizeof elevations / sizeof elevations[0], MOST = 512 };
   long size = argc > 2 ? whole(argv[2], MOST) : 64, turns = argc > 3 ? whole(argv[3], 360) : 5;
-  if (argc < 2 || argc > 4 || !size || !turns) {
-    fprintf(stderr,
+  const int asked = argc == 2 && strcmp(argv[1], "--help") == 0;
+  if (argc < 2 || argc > 4 || argv[1][0] == '-' || !size || !turns) {
+    fprintf(asked ? stdout : stderr,
             "usage: horizon OUTPUT.csv [POINTS [AZIMUTHS]]\n\n"
             "  POINTS    along a side of the field, 1 to %d (default 64)\n"
             "  AZIMUTHS  of light and eye, 1 to 360 (default 5)\n",
             MOST);
-    return 2;
+    return asked ? 0 : 2;
   }
   /* the table grows in memory: what is stopped half way leaves nothing */
   char why[256], *text = NULL;

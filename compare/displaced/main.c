@@ -196,11 +196,12 @@ int main(int argc, char **argv) {
   o.scene.first = 200;
   o.scene.second = 10;
   shade_params_init(&o.scene.params);
-  if (argc == 2 && strcmp(argv[1], "--help") == 0) {
-    usage(stdout);
-    return 0;
-  }
-  if (argc < 3) {
+  for (int i = 1; i < argc; i++)
+    if (strcmp(argv[i], "--help") == 0) {
+      usage(stdout);
+      return 0;
+    }
+  if (argc < 3 || argv[2][0] == '-') {
     usage(stderr);
     return 2;
   }

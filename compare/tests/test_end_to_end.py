@@ -174,6 +174,16 @@ def test_scripts_explain_themselves_and_refuse_bad_usage(tmp_path):
     assert done.returncode == 1 and "none.blend: no such file" in done.stderr
 
 
+@pytest.mark.parametrize("words", (["displaced", "pictures"], ["displaced"], ["horizon"], ["bumps"]))
+def test_programs_explain_themselves_and_write_nothing(words, tmp_path):
+    for asked, status in (("--help", 0), ("--none", 2)):
+        done = subprocess.run([programs.ROOT / "build" / words[0], *words[1:], asked], cwd=tmp_path, capture_output=True,
+                              text=True, check=False)
+        told, silent = (done.stdout, done.stderr) if asked == "--help" else (done.stderr, done.stdout)
+        assert done.returncode == status and words[0] in told and not silent, (asked, done)
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("arguments, status, said", [
     (["--help"], 0, "FOLDER gets scene.ini"), ([], 2, "expected one FOLDER"),
 ])
