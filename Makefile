@@ -18,7 +18,7 @@
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall
 #   make abi       the interface of the library as a text, libshade/abi/libshade.abi, which a test compares it with
 #   make soak      all tests under sanitizers and as clang compiles them, a hundred million awkward cases, more of both renderers
-#   make soak-machines  library and tool compiled for Windows and arm64, and run by Wine and qemu
+#   make soak-machines  library, tool and renderer compiled for Windows and arm64, and run by Wine and qemu
 #   make bench     speed against accuracy
 #   make bench-pairs BEFORE=COMMIT  whether a row of it is slower than that commit's
 #   make bench-frames BEFORE=COMMIT  whether a frame of an example scene takes longer than at that commit

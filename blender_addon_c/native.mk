@@ -9,7 +9,7 @@ NATIVE_CFLAGS := -O3 -std=c11 $(DEBUG) -fPIC -fvisibility=hidden -fno-math-errno
   -ffp-contract=fast -fopenmp-simd "-ffile-prefix-map=$(CURDIR)=." -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
 NATIVE_PYTHON_CFLAGS = $(shell $(NATIVE_PYTHON) -c "import sysconfig as s; print('-I' + s.get_path('include'))")
 # isa/<family>.c is compiled for each instruction set
-NATIVE_ISAS := scalar sse2 avx2 avx512
+NATIVE_ISAS := $(ISAS)
 FAMILIES := $(patsubst $(N)/isa/%.c,%,$(filter-out %/choose.c,$(wildcard $(N)/isa/*.c)))
 NATIVE_OBJ := $(foreach isa,$(NATIVE_ISAS),$(FAMILIES:%=$(NATIVE)/obj/isa/$(isa)/%.o)) \
   $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(filter-out $(FAMILIES:%=$(N)/isa/%.c),$(wildcard $(N)/*/*.c)))
@@ -99,7 +99,7 @@ $(RENDER): $(RENDER_OBJ)
 NATIVE_STAGES := $(filter $(NATIVE)/obj/isa/% $(NATIVE)/obj/scene/atmosphere% %/render/sampling.o %/scene/sky.o %/scene/emitters.o %/scene/texture.o %/system/message.o %/system/pages.o %/system/parallel.o,$(NATIVE_OBJ)) $(B)/libshade.a
 $(NATIVE)/test_stages: blender_addon_c/tests/test_stages.c $(NATIVE_STAGES)
 	$(call say,compile  ,$@)
-	$(Q)$(CC) $(NATIVE_CFLAGS) $(CFLAGS) -MMD -MF $(NATIVE)/obj/isa/test_stages.d $< $(NATIVE_STAGES) -lcmocka -lm -o $@
+	$(Q)$(CC) $(NATIVE_CFLAGS) $(CFLAGS) -MMD -MF $(NATIVE)/obj/isa/test_stages.d $< $(NATIVE_STAGES) $(CMOCKA_LIBS) -lm -o $@
 -include $(wildcard $(NATIVE)/obj/*/*.d $(NATIVE)/obj/isa/*/*.d)
 # one that is gone: what has included it is made again
 $(N)/%.h: ;

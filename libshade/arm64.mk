@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-# `make check-arm64`: library and tool for Linux on arm64, whose instruction set is neon, as Debian's cross compiler makes
-# them, and those of their tests that qemu, which is slow, has done in minutes. Part of `make soak-machines`.
+# `make check-arm64`: library, tool and shade-render for Linux on arm64, whose instruction set is neon, as Debian's cross
+# compiler makes them, and those of their tests that qemu, which is slow, has done in minutes. Part of `make soak-machines`.
 ARM64 := $(B)/arm64
-ARM64_CC := aarch64-linux-gnu-gcc
-ARM64_RUN := qemu-aarch64 -L /usr/aarch64-linux-gnu
-# without OpenEXR and libpng
+# of Debian for arm64, as what they are linked with
+ARM64_LIBRARIES := $(ARM64)/debian
+ARM64_FOLDERS := $(abspath $(ARM64_LIBRARIES))/usr/lib/aarch64-linux-gnu $(abspath $(ARM64_LIBRARIES))/lib/aarch64-linux-gnu
+ARM64_CC := aarch64-linux-gnu-gcc $(ARM64_FOLDERS:%=-B%/) $(ARM64_FOLDERS:%=-Wl,-rpath-link,%)
+ARM64_RUN := qemu-aarch64 -L /usr/aarch64-linux-gnu -E LD_LIBRARY_PATH=$(subst $() ,:,$(ARM64_FOLDERS))
 ARM64_MAKE = $(MAKE) --no-print-directory NEEDS= B=$(ARM64) CC="$(ARM64_CC)" AR=aarch64-linux-gnu-ar OIIO_LIBS= OIIO_MODULE= \
-  EXR_CFLAGS="$(filter -I%,$(EXR_CFLAGS))" EXR_LIBS= PNG_CFLAGS= PNG_LIBS= \
   CMOCKA_LIBS="-I$(W)/include -L$(ARM64)/lib -lcmocka" RUN="$(ARM64_RUN)"
+$(ARM64_LIBRARIES)/done: setup/arm64-libraries.sh | $(S)/arm64.packages
+	@setup/arm64-libraries.sh $(@D)
+	@touch $@
+
 ARM64_TESTS := bsdf_hit corpus fabric_nodes fabric_place fresnel isa json lanes leaves leaves_float params port rows split status swatch \
   tangents threads values weave weave_batch wif
 $(ARM64)/lib/libcmocka.a: $(WINDOWS_SOURCES)/done $(W)/lib/libcmocka.a
@@ -17,7 +22,9 @@ $(ARM64)/lib/libcmocka.a: $(WINDOWS_SOURCES)/done $(W)/lib/libcmocka.a
 	  -DHAVE_MALLOC_H=1 -DHAVE_SIGNAL_H=1 -DHAVE_STRINGS_H=1 -DHAVE_GCC_THREAD_LOCAL_STORAGE=1 -DHAVE_SIGLONGJMP=1 -D_GNU_SOURCE \
 	  -c $(WINDOWS_SOURCES)/cmocka-*/src/cmocka.c -o $(@D)/cmocka.o && aarch64-linux-gnu-ar rcsD $@ $(@D)/cmocka.o
 .PHONY: check-arm64
-check-arm64: $(ARM64)/lib/libcmocka.a
+check-arm64: $(ARM64)/lib/libcmocka.a $(ARM64_LIBRARIES)/done
 	$(Q)+$(ARM64_MAKE) $(ARM64)/shade $(ARM64_TESTS:%=$(ARM64)/test/%.run)
+	$(Q)+$(ARM64_MAKE) $(ARM64)/shade-render $(ARM64)/blender/native/test_stages
+	$(Q)$(ARM64_RUN) $(ARM64)/blender/native/test_stages
 	$(Q)$(ARM64_RUN) $(ARM64)/shade --version | grep -q neon
 soak-machines: check-arm64

@@ -82,7 +82,7 @@ LEAF float finite_light(float x) {
 
 /* floor for |x| < 2^22, near to x for larger ones; SSE2 has no instruction for it. */
 LEAF float floor_small(float x) {
-#if defined(__SSE4_1__)
+#if defined(__SSE4_1__) || defined(__aarch64__)
   return floorf(x);
 #else
   float nearest = (x + 0x1.8p23f) - 0x1.8p23f;

@@ -26,22 +26,23 @@
   ROW(paths, isa)
 #define DECLARE(family, isa) extern const stage_table stages_##family##_##isa;
 #define PART(family, isa) &stages_##family##_##isa,
-#define TABLE(isa)                                                                                 \
-  {                                                                                                \
-#isa, {                                                                                        \
-      FAMILIES(PART, isa) NULL                                                                     \
-    }                                                                                              \
-  }
+#define TABLE(isa) {#isa, {FAMILIES(PART, isa) NULL}},
 
-FAMILIES(DECLARE, scalar)
-FAMILIES(DECLARE, sse2)
-FAMILIES(DECLARE, avx2)
-FAMILIES(DECLARE, avx512)
+/* those that libshade's isa.c has */
+#if defined(__x86_64__)
+#define SETS_OF_STAGES(ROW) ROW(scalar) ROW(sse2) ROW(avx2) ROW(avx512)
+#elif defined(__aarch64__)
+#define SETS_OF_STAGES(ROW) ROW(scalar) ROW(neon)
+#else
+#define SETS_OF_STAGES(ROW) ROW(scalar)
+#endif
+#define DECLARED(isa) FAMILIES(DECLARE, isa)
+SETS_OF_STAGES(DECLARED)
 
 static const struct {
   const char *name;
   const stage_table *part[24];
-} sets[] = {TABLE(scalar), TABLE(sse2), TABLE(avx2), TABLE(avx512)};
+} sets[] = {SETS_OF_STAGES(TABLE)};
 enum { SETS = sizeof sets / sizeof sets[0], STAGES = sizeof(stage_table) / sizeof(void (*)(void)) };
 
 /* A table as a row of stages; its first place is the name's. */

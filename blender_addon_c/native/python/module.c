@@ -533,9 +533,10 @@ static PyObject *native_version(PyObject *self, PyObject *unused) {
   return PyUnicode_FromString(SHADE_VERSION);
 }
 
-PyDoc_STRVAR(isa_doc, "isa() -> str\n\n"
-                      "The instruction set of what is started now: avx512, avx2, sse2 or scalar.\n"
-                      "LIBSHADE_ISA in the environment asks for less than the CPU has.");
+PyDoc_STRVAR(isa_doc,
+             "isa() -> str\n\n"
+             "The instruction set of what is started now: avx512, avx2, sse2, neon or scalar.\n"
+             "LIBSHADE_ISA in the environment asks for less than the CPU has.");
 static PyObject *native_isa(PyObject *self, PyObject *unused) {
   (void)self, (void)unused;
   return PyUnicode_FromString(stages_choose()->name);

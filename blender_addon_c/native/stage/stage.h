@@ -271,8 +271,8 @@ static inline void pixel_place(const camera_view *view, uint32_t p, int *x, int 
   }
 }
 
-/* Those of an instruction set, scalar, sse2, avx2 or avx512; of the one that libshade chooses:
- * shade_isa. */
+/* Those of an instruction set, scalar, sse2, avx2, avx512 or neon; of the one that libshade
+ * chooses: shade_isa. */
 const stage_table *stages_of(const char *isa);
 const stage_table *stages_choose(void);
 

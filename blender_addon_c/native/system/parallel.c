@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
+#include <stdint.h>
 #include <time.h>
 #if defined(__SSE2__)
 #include <xmmintrin.h>
@@ -23,6 +24,10 @@ typedef struct task {
 static void flush_denormals(void) {
 #if defined(__SSE2__)
   _mm_setcsr(_mm_getcsr() | 0x8040u);
+#elif defined(__aarch64__)
+  uint64_t control;
+  __asm__ volatile("mrs %0, fpcr" : "=r"(control));
+  __asm__ volatile("msr fpcr, %0" : : "r"(control | 1u << 24));
 #endif
 }
 
