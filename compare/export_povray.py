@@ -11,10 +11,10 @@ own can include the same files. Render with
 
     cd FOLDER && povray scene.ini
 
-What is written: the visible meshes as they are after modifiers, with smooth
-normals and UVs; their Libshade Metal materials with normal map and grain, by what sockets
+What is written: the visible meshes as they are after modifiers, but for those that
+are disabled in renders, with smooth normals and UVs; their Libshade Metal materials with normal map and grain, by what sockets
 and properties say, and Libshade Fabric by preset and length, in the cloth's own colours;
-sun and point lights; the camera; the world's plain colour. Anything else is an error that
+sun and point lights, likewise; the camera; the world's plain colour. Anything else is an error that
 names it, for the picture would not be the same. So are a metal's Strokes: no block of
 POV-Ray's has them, and with Strokes 0 the rest is written.
 
@@ -449,7 +449,7 @@ def background_text(scene):
 def scene_size(instances):
     """Largest distance of a bounding-box corner from the origin."""
     corners = (matrix @ Vector(c) for ob, matrix in instances for c in ob.bound_box)
-    return max((corner.length for corner in corners), default=1.0)
+    return max(corner.length for corner in corners)
 
 
 def export(folder):
@@ -460,7 +460,7 @@ def export(folder):
         raise ExportError("the scene has no camera")
     instances, lights = [], []
     for item in depsgraph.object_instances:
-        if not item.show_self:
+        if not item.show_self or item.object.hide_render or (item.parent and item.parent.hide_render):
             continue
         if item.object.type == "LIGHT":
             lights.append((item.object, item.matrix_world.copy()))

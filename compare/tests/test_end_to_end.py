@@ -11,7 +11,7 @@ import pictures
 import programs
 import report
 
-COST = 44
+COST = 41
 
 COMPARE = Path(programs.__file__).parent
 MAKE_SCENE = programs.ROOT / "examples" / "blender" / "suzanne" / "make_scene.py"
@@ -122,6 +122,20 @@ WRITTEN = [
     ("n.grain = 'AXIS_Y'; n.inputs['Rotation'].default_value = 0.5", ["tangent <-1e-06, -0.001, -1.0>"]),
     ("n.inputs['Rotation'].default_value = 1.5", ["tangent uv", "rotate 180*z"]),
 ]
+# What is not of a material: the file that says it, what it says
+SCENE = "s = bpy.context.scene; "
+SAID = [
+    (SCENE + "s.render.resolution_percentage = 50", "scene.ini", "Width=120\nHeight=160\nInput_File_Name=scene.pov\n"),
+    (SCENE + "s.render.film_transparent = False; s.world = bpy.data.worlds.new('w'); s.world.use_nodes = False; s.world.color = (.25, .5, .75)",
+     "scene.pov", "background { rgb <0.25, 0.5, 0.75> }"),
+    (SCENE + "s.render.film_transparent = False; s.world = bpy.data.worlds.new('w'); s.world.use_nodes = True; b = s.world.node_tree.nodes['Background']; "
+     "b.inputs['Strength'].default_value = 2; b.inputs['Color'].default_value = (.25, .5, .75, 1)", "scene.pov", "background { rgb <0.5, 1.0, 1.5> }"),
+    (SCENE + "s.render.film_transparent = True", "scene.pov", "background { rgb <0.0, 0.0, 0.0> }"),
+    ("bpy.data.objects['Mirrored twin'].hide_render = True", "scene.pov", "// Made from awkward.blend by compare/export_povray.py.\n#version 3.7;\n#declare mdf_Defaults = 1;\n"),
+    # an orthographic camera looks from its plane, as wide as its scale by the shorter side, moved by its shift
+    (SCENE + "s.camera.parent = None; s.camera.matrix_world.identity(); s.camera.data.type = 'ORTHO'; s.camera.data.shift_x = s.camera.data.shift_y = 0; "
+     "s.camera.data.ortho_scale = 4", "camera.inc", "orthographic\n  location <0.0, 0.0, 0.0>\n  direction <0.0, -1.0, 0.0>\n  right <3.0, 0.0, 0.0>\n  up <0.0, 0.0, 4.0>"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -129,12 +143,12 @@ def exported(awkward, tmp_path_factory):
     """{change: (where it was written, what kept it from that)}, of one Blender."""
     out = tmp_path_factory.mktemp("exported")
     metal = f"n = {NODES}['Libshade Metal']; "
-    changes = [change for change, _ in CANNOT] + [metal + change for change, _ in WRITTEN]
+    changes = [change for change, _ in CANNOT] + [metal + change for change, _ in WRITTEN] + [change for change, *_ in SAID]
     (out / "changes.json").write_text(json.dumps([f"import bpy; {change}" for change in changes]), encoding="utf-8")
     report.step("Exporting", programs.blender(EXPORTS, out / "changes.json", out, scene=awkward), out / "log",
                 programs.ADD_ON)
     said = json.loads((out / "said.json").read_text(encoding="utf-8"))
-    return {change: (out / str(k), said[k]) for k, change in enumerate(c for c, _ in CANNOT + WRITTEN)}
+    return {change: (out / str(k), said[k]) for k, change in enumerate(c for c, *_ in CANNOT + WRITTEN + SAID)}
 
 
 @pytest.mark.parametrize("change, said", CANNOT)
@@ -165,6 +179,19 @@ def test_what_sockets_say_is_written(exported, change, written):
     assert all(words in fine for words in written), fine
 
 
+@pytest.mark.parametrize("change, file, words", SAID)
+def test_what_the_scene_says_is_written(exported, change, file, words):
+    folder, error = exported[change]
+    assert not error
+    text = (folder / file).read_text(encoding="utf-8")
+    assert words in text, text[:900]
+    if file == "scene.pov":
+        assert [name for name in ("camera", "lights", "materials", "meshes") if f'#include "{name}.inc"' in text] == ["camera", "lights", "materials", "meshes"]
+        assert text.count("object { Mesh_") == (2 if "hide_render" in change else 3)
+    else:
+        assert text.startswith((";" if file.endswith(".ini") else "//") + " Made from awkward.blend by compare/export_povray.py.\n")
+
+
 def test_scripts_explain_themselves_and_refuse_bad_usage(tmp_path):
     for script in ("consistency.py", "truth.py", "speed.py"):
         done = run(script, "--help")
@@ -184,10 +211,9 @@ def test_programs_explain_themselves_and_write_nothing(words, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("arguments, status, said", [
-    (["--help"], 0, "FOLDER gets scene.ini"), ([], 2, "expected one FOLDER"),
-])
-def test_export_explains_itself(arguments, status, said, tmp_path):
-    command = programs.blender(COMPARE / "export_povray.py", *arguments)
-    assert said in report.step("Asking", command, tmp_path / "log", programs.ADD_ON,
-                               allowed=(status,))
+def test_export_explains_itself(exported):
+    ends = json.loads((next(iter(exported.values()))[0].parent / "ends.json").read_text(encoding="utf-8"))
+    for words in ("-h", "--help"):
+        assert ends[words][0] == 0 and "FOLDER gets scene.ini" in ends[words][1]
+    for words in ("", "--folder", "a b"):
+        assert ends[words] == [2, "export_povray: expected one FOLDER after `--`; see `-- --help`\n"]

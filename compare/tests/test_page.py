@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report's page by its parts: what is counted, escaped, sorted by, linked, and refused."""
+import re
+import xml.etree.ElementTree
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import page
+import style
 
-COST = 0.3
+COST = 1.2
 
 
 def section(**parts):
@@ -56,3 +60,96 @@ def test_figures_and_tables_are_counted_through_the_page():
     assert 'href="#other-a">Figure&nbsp;3</a>' in linked and "href" not in page.sentence(sections[1], SimpleNamespace(text="so", figure=""), names)
     with pytest.raises(ValueError, match="links 'b'"):
         page.sentence(sections[1], SimpleNamespace(text="so", figure="b"), names)
+
+
+# ---- charts -------------------------------------------------------------------------------------------------
+
+
+def test_looks_differ_by_more_than_colour():
+    """Of two methods that share a chart: colours of Okabe and Ito, and a marker of its own for each colour."""
+    assert [style.BLUE, style.SKY, style.GREEN, style.ORANGE, style.VERMILION, style.PURPLE] == [
+        "#0072b2", "#56b4e9", "#009e73", "#e69f00", "#d55e00", "#cc79a7"]
+    charts = (["displaced", "none", "perturb", "gram_schmidt", "shortest_arc", "rotate", "rotate_approximate", "rotate_literal", "auto", "deform_linear",
+               "deform_linear_conserving", "deform_smooth", "deform_smooth_conserving"], ["ashikhmin_shirley", "ward", "ward_half", "beckmann", "ggx"],
+              ["float", "double", "reference"], ["hard", "valid_reflection", "estevez", "chiang", "schuessler", "valid_estevez"],
+              ["lambert", "max_normal", "max_normal_scaled", "fibre", "fibre_view", "poulin_fournier"], ["near", "far", "far_nodes", "single"],
+              ["libshade", "cycles", "cycles_5", "povray", "mitsuba"], [f"lobes_{n}" for n in (1, 2, 3, 4, 6, 8)])
+    for words in charts:
+        looks = [style.of(word) for word in words]
+        assert len({(look.marker, look.hollow) for look in looks}) == len({look.label for look in looks}) == len(words), words
+        assert all(look.hollow == (look.points["markerfacecolor"] == style.PAPER) and look.points["markeredgecolor"] == look.colour == look.line["color"] ==
+                   look.bars["ecolor"] for look in looks) and not any("_" in look.label for look in looks)
+    markers = {}
+    for look in [style.of(word) for words in charts for word in words]:
+        assert markers.setdefault(look.marker, look.colour) == look.colour, look
+    assert style.of("gram-schmidt") is style.of("gram_schmidt") and style.of("never heard of").hollow and style.of("never heard of") is style.of("never heard of")
+
+
+def drawn(make, **size):
+    """Texts of a drawing, {words: (x, y)}, and the drawing."""
+    figure, axes = style.figure(**size)
+    axes.set(xlim=(0, 10), ylim=(0, 10))
+    make(axes)
+    text = style.svg(figure)
+    root = xml.etree.ElementTree.fromstring(text.replace("xlink:", ""))
+    found = {}
+    for element in root.iter():
+        if element.tag.endswith("text"):
+            place = element.get("transform") or f"({element.get('x')} {element.get('y')})"
+            found["".join(element.itertext())] = tuple(map(float, re.findall(r"-?[\d.]+", place)[:2]))
+    return found, text
+
+
+def test_a_chart_is_that_large_and_takes_the_pages_colours():
+    found, text = drawn(lambda axes: axes.plot([1, 9], [1, 9], **style.of("rotate").line), width=300, height=200)
+    assert 'viewBox="0 0 300 200"' in text and '--wide:300"' in text and "var(--blue)" in text and "var(--faint)" in text
+    assert not re.search(r"#[0-9a-f]{6}(?![0-9a-f])|<metadata|<style|<!--|font-family|\n", text) and {"0", "2", "10"} <= set(found)
+    names = set(re.findall(r' id="([^"]+)"', text))
+    assert names and all(name.startswith("f") for name in names) and set(re.findall(r"(?:url\(#|href=\"#)([^)\"]+)", text)) == names
+    other = drawn(lambda axes: axes.plot([1, 9], [2, 9], **style.of("rotate").line), width=300, height=200)[1]
+    assert not names & set(re.findall(r' id="([^"]+)"', other)), "two drawings on a page have ids of their own"
+
+
+@pytest.mark.parametrize("low, high, ticks", [(0.5, 5, ["0.5", "1", "2", "5"]), (1e-4, 1, ["10⁻⁴", "0.001", "0.01", "0.1", "1"])])
+def test_ticks_of_a_logarithmic_axis(low, high, ticks):
+    """Decades; between few of them 2 and 5."""
+    def make(axes):
+        axes.set(xlim=(low, high))
+        style.log_ticks(axes.xaxis)
+        axes.set_yticks([])
+    found = drawn(make)[0]
+    assert sorted(found, key=lambda words: found[words][0]) == ticks
+
+
+def test_words_beside_points():
+    """Each nearest to its own point, in its colour; none on a point, on another, on a line that is told, or outside."""
+    points = [(2, 2, "rotate"), (2.2, 2.3, "perturb"), (8, 8, "none"), (9.9, 5, "gram_schmidt"), (5, 9.9, "auto"), (5, 5, "ward")]
+    line = [(5, 5), (9, 5)]
+    figure, axes = style.figure()
+    axes.set(xlim=(0, 10), ylim=(0, 10))
+    style.labels(axes, points, lines=[line])
+    figure.canvas.draw()
+    boxes = {text.get_text(): text.get_window_extent() for text in axes.texts}
+    dots = axes.transData.transform([at[:2] for at in points])
+    middles = {at[2]: np.array([(b.x0 + b.x1) / 2, (b.y0 + b.y1) / 2]) for at in points for b in [boxes[style.of(at[2]).label]]}
+    for (*_at, word), dot in zip(points, dots):
+        look, box = style.of(word), boxes[style.of(word).label]
+        assert next(text for text in axes.texts if text.get_text() == look.label).get_color() == look.colour
+        reach = np.maximum([box.x0 - dot[0], box.y0 - dot[1]], 0) + np.maximum([dot[0] - box.x1, dot[1] - box.y1], 0)
+        assert np.hypot(*reach) < 60 * figure.dpi / 72 and not any(box.contains(*other) for other in dots), word
+        assert axes.get_window_extent().x0 - 2 < box.x0 and box.y1 < axes.get_window_extent().y1 + 2 and box.x1 < figure.bbox.x1, word
+        assert not any(box.overlaps(other) for name, other in boxes.items() if name != look.label), word
+    on_line = axes.transData.transform(np.linspace(*line, 50))
+    assert not any(boxes["Ward"].contains(*at) for at in on_line) and abs(middles["none"] - dots[2])[1] < 1
+
+
+def test_words_at_the_ends_of_lines():
+    """Right of them, in their order, each at its line where there is room, else above the next by a line of text."""
+    figure, axes = style.figure()
+    axes.set(xlim=(0, 10), ylim=(0, 10))
+    style.ends(axes, [(9, 2.0, "rotate"), (9, 2.1, "perturb"), (9, 8.0, "none"), (9, 2.05, "auto")])
+    figure.canvas.draw()
+    at = {text.get_text(): (text.get_window_extent().x0, sum(text.get_window_extent().intervaly) / 2) for text in axes.texts}
+    step, dot = 11 * figure.dpi / 72, axes.transData.transform((9, 8.0))
+    assert at["rotate"][1] + step <= at["auto"][1] and at["auto"][1] + step <= at["perturb"][1] < at["none"][1] and abs(at["none"][1] - dot[1]) < 2
+    assert all(dot[0] + 5 < x < dot[0] + 20 for x, _y in at.values()) and [text.get_color() for text in axes.texts].count(style.BLUE) == 1

@@ -3,6 +3,8 @@
 import json
 import re
 import sys
+from collections import defaultdict
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -155,3 +157,65 @@ def test_files_of_others_are_rendered_at_one_size(monkeypatch, engine, was, size
     render.threads_mode = "AUTO"
     script["set_render"]({"engine": engine, "size": size, "threads": 0, "grooves": True})
     assert render.threads_mode == "AUTO"
+
+
+class Shader(Anything):
+    """A node of Blender's, whose sockets hold what is set."""
+
+    def __init__(self, kind):
+        super().__init__(kind=kind, distribution="", type=kind.removeprefix("ShaderNode").upper(), inputs=defaultdict(Anything), outputs=defaultdict(Anything))
+        if kind == "ShaderNodeBsdfAnisotropic":
+            self.inputs["Tangent"] = Anything()
+
+
+def made_by_blender(bpy):
+    """Materials, objects and lamps that a script asks of Blender: (name, what), in their order."""
+    made = []
+
+    def tree():
+        nodes = MagicMock(new=lambda kind: made.append((kind, Shader(kind))) or made[-1][1])
+        nodes.__iter__.side_effect = lambda: iter([Shader("ShaderNodeBackground"), *(what for _name, what in made if isinstance(what, Shader))])
+        return MagicMock(nodes=nodes)
+    bpy.data.materials.new = lambda name: made.append((name, "material")) or MagicMock(node_tree=tree())
+    bpy.data.worlds.new = lambda _name: MagicMock(node_tree=tree())
+    bpy.data.lights.new = lambda name, kind: made.append((name, Anything(type=kind))) or made[-1][1]
+    bpy.data.meshes.new = lambda name: Anything(name=name, materials=[], from_pydata=lambda *given: made.append((name, given)))
+    bpy.data.objects.new = lambda name, data: made.append((f"object {name}", Anything(data=data))) or made[-1][1]
+    return made
+
+
+@pytest.mark.parametrize("place", ["studio", "room"])
+def test_scenes_are_what_their_description_says(monkeypatch, place):
+    """Metal of alphas .05 and .3 in Cycles' measure, a matt and a shining ball on a grey floor, or in a closed box under a lamp of 2 m that looks down
+    from within it. No lamp in the studio, and no sky in the room."""
+    bpy = MagicMock()
+    made = made_by_blender(bpy)
+    script = of_blender("paths_render", monkeypatch, context=bpy.context, data=bpy.data, ops=bpy.ops)
+    script["Vector"] = MagicMock()
+    script["set_render"] = lambda _scene, _job: None
+    scene = script["build"]({"scene": place}, "sky.exr")
+    bsdfs = [what for name, what in made if name.startswith("ShaderNodeBsdf")]
+    grey, brushed, matt, gloss = bsdfs
+    assert [b.kind.removeprefix("ShaderNodeBsdf") for b in bsdfs] == ["Diffuse", "Anisotropic", "Diffuse", "Glossy"] and brushed.distribution == gloss.distribution == "GGX"
+    r, a = (brushed.inputs[name].default_value for name in ("Roughness", "Anisotropy"))
+    assert (r * r * (1 - a), r * r / (1 - a)) == pytest.approx((0.05, 0.3)) and gloss.inputs["Roughness"].default_value ** 2 == pytest.approx(0.1)
+    assert [b.inputs["Color"].default_value for b in bsdfs] == [(0.5, 0.5, 0.5, 1), (0.9, 0.75, 0.5, 1), (0.6, 0.2, 0.15, 1), (0.8, 0.8, 0.85, 1)]
+    assert next(what for name, what in made if name == "ShaderNodeTangent").direction_type == "UV_MAP"
+    balls = [call.kwargs for call in bpy.ops.mesh.primitive_uv_sphere_add.call_args_list]
+    assert [(ball["location"][2], ball["radius"]) for ball in balls] == [(0.6, 0.6)] * 2 and balls[0]["location"][0] == -balls[1]["location"][0] == -1.7
+    assert bpy.ops.mesh.primitive_monkey_add.call_args.kwargs["location"] == (0, 0, 1)
+    eye = next(what for name, what in made if name == "object camera")
+    assert scene.camera is eye and eye.data.lens == 45
+    lamps = [what for name, what in made if name == "object area"]
+    if place == "studio":
+        assert not lamps and bpy.ops.mesh.primitive_plane_add.call_args.kwargs == {"size": 40} and bpy.data.images.load.call_args.args == ("sky.exr",)
+        return
+    (lamp,), (corners, _edges, faces) = lamps, next(what for name, what in made if name == "box")
+    low, high = np.min(corners, 0), np.max(corners, 0)
+    assert low.tolist() == [-4, -7, 0] and high.tolist() == [4, 4, 5] and np.bincount(np.ravel(faces)).tolist() == [3] * 8
+    assert (lamp.data.type, lamp.data.energy, lamp.data.size) == ("AREA", 400, 2) and lamp.rotation_euler == (0, 0, 0)
+    assert (low < np.array(lamp.location) - (1, 1, 0)).all() and (np.array(lamp.location) + (1, 1, 0) < high).all() and high[2] - lamp.location[2] < 0.1
+    for face in faces:  # each of the box's six sides
+        corner = np.array([corners[k] for k in face])
+        assert (np.ptp(corner, axis=0) == 0).sum() == 1
+    assert not bpy.data.images.load.called and not bpy.ops.mesh.primitive_plane_add.called
