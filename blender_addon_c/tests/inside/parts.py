@@ -12,7 +12,7 @@ from mathutils import Matrix, Vector
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common  # noqa: E402
-from parts_of import module  # noqa: E402
+from parts_of import module, replaced  # noqa: E402
 
 folder, = common.arguments()
 
@@ -615,6 +615,101 @@ def test_what_is_greyed():
             setattr(owner, path.rpartition(".")[2], value)
         getattr(panels, panel).draw(SimpleNamespace(layout=Layout()), SimpleNamespace(scene=scene, object=ob))
         assert drawn[name].active != grey, (panel, settings, name)
+
+
+# What each panel shows, from the top: a property, "property = its words", an operator, or a line of text. A person's.
+SHOWN = {
+    "RENDER_PT_libshade_sampling": "samples = Render; preview_samples = Viewport; time_limit; use_adaptive_sampling; adaptive_threshold; adaptive_min_samples;"
+    " light_sampling_threshold; use_denoising = Render; use_preview_denoising = Viewport; seed; use_animated_seed; libshade.copy_cycles_settings; libshade.save_scene",
+    "RENDER_PT_libshade_light_paths": "max_bounces; diffuse_bounces; glossy_bounces; transmission_bounces; transparent_max_bounces; groove_transport; bumps_mutual;"
+    " 'steel' .1 .2; 'tin' .3 .4; sample_clamp_direct; sample_clamp_indirect; blur_glossy; caustics_reflective; caustics_refractive; soft_terminator",
+    "RENDER_PT_libshade_film": "film_transparent; film_exposure; film_transparent_glass; film_transparent_roughness; pixel_filter_type; filter_width; texture_blur; filter_normals",
+    "RENDER_PT_libshade_motion_blur": "[use_motion_blur]; motion_blur_position = Position; motion_blur_shutter; rolling_shutter_type; rolling_shutter_duration; motion_blur_shutter_curve",
+    "OBJECT_PT_libshade_motion_blur": "[use_motion_blur]; motion_steps = Steps; use_deform_motion = Deformation",
+    "RENDER_PT_libshade_performance": "threads_mode; threads", "VIEWLAYER_PT_libshade_override": "material_override = Material",
+    "RENDER_PT_libshade_share": "Convert All Nodes to Plain Groups (all_materials)",
+    "VIEWLAYER_PT_libshade_passes": "use_pass_z; use_pass_mist; use_pass_position; use_pass_normal; use_pass_vector; use_pass_uv; denoising_store_passes; use_pass_shadow_catcher;"
+    " pass_debug_sample_count; use_pass_object_index; use_pass_material_index; " + "".join(
+        f"use_pass_{kind}_{part} = {part.title()}; " for kind in ("diffuse", "glossy", "transmission") for part in ("direct", "indirect", "color")) +
+    "use_pass_emit = Emission; use_pass_environment; use_pass_ambient_occlusion = Ambient Occlusion; use_pass_cryptomatte_object = Object; "
+    "use_pass_cryptomatte_material = Material; use_pass_cryptomatte_asset = Asset; pass_cryptomatte_depth = Levels; pass_alpha_threshold",
+    "OBJECT_PT_libshade_light_group": "lightgroup", "WORLD_PT_libshade_light_group": "lightgroup",
+    "SUN": "type; color; energy = Strength; angle; shadow", "POINT": "type; color; energy = Power; shadow_soft_size = Radius; shadow",
+    "SPOT": "type; color; energy = Power; shadow_soft_size = Radius; spot_size; spot_blend; shadow", "AREA": "type; color; energy = Power; shape; size; spread; shadow",
+    "AREA RECTANGLE": "type; color; energy = Power; shape; size = Size X; size_y = Y; spread; shadow",
+    "AREA ELLIPSE": "type; color; energy = Power; shape; size = Size X; size_y = Y; spread; shadow", "AREA DISK": "type; color; energy = Power; shape; size; spread; shadow",
+}
+# Where a tab has them, and which of them are closed at first
+TABS = {"RENDER": "render", "OBJECT": "object", "VIEWLAYER": "view_layer", "WORLD": "world", "DATA": "data"}
+CLOSED = {"RENDER_PT_libshade_motion_blur", "OBJECT_PT_libshade_motion_blur", "RENDER_PT_libshade_performance", "VIEWLAYER_PT_libshade_override", "RENDER_PT_libshade_share",
+          "OBJECT_PT_libshade_light_group", "WORLD_PT_libshade_light_group", "OBJECT_PT_libshade_visibility", "WORLD_PT_libshade_visibility", "RENDER_PT_libshade_simplify"}
+# What not every Blender has
+NOT_ALL = {"exposure", "normalize", "use_soft_falloff", "use_shadow", "cast_shadow = Shadow"}
+
+
+def test_what_panels_show():
+    """In this order, under these words; the button for light where a scene has none, the lines of `Bump Slopes` apart."""
+    scene, panels = common.empty_scene(), module("panels")
+    ob, world, lamp = bpy.data.objects.new("thing", bpy.data.meshes.new("thing")), bpy.data.worlds.new("world"), bpy.data.lights.new("lamp", "POINT")
+    scene.collection.objects.link(bpy.data.objects.new("lamp", lamp))
+    bpy.context.view_layer.update()
+    settings = SimpleNamespace(**{name: getattr(scene.libshade, name) for name in scene.libshade.__annotations__ if name != "bump_slopes"},
+                               bump_slopes="'steel' .1 .2\n'tin' .3 .4")
+    said = []
+
+    class Layout:
+        def prop(self, owner, name, text=None, **_more):
+            assert hasattr(owner, name), name
+            said.append(f"[{name}]" if text == "" else f"{name} = {text}" if text else name)
+
+        def operator(self, name, text="", **_more):
+            asked = SimpleNamespace()
+            said.append(lambda: (text or name) + "".join(f" ({key})" for key, value in vars(asked).items() if value))
+            return asked
+
+        def label(self, text):
+            said.append(text)
+
+        def template_curve_mapping(self, _owner, name):
+            said.append(name)
+
+        def prop_search(self, owner, name, of, groups, **_more):
+            assert hasattr(owner, name) and hasattr(of, groups)
+            said.append(name)
+
+        def row(self, **_more):
+            return Layout()
+        column = row
+
+    def shown(panel, shown_light=None):
+        said.clear()
+        settings_of = SimpleNamespace(libshade=settings, render=scene.render, cycles=scene.cycles, world=scene.world, objects=scene.objects)
+        context = SimpleNamespace(scene=settings_of, object=ob, world=world, light=shown_light, view_layer=bpy.context.view_layer)
+        drawn = SimpleNamespace(layout=Layout(), of=getattr(panel, "of", None))
+        drawn._draw_area = lambda light: panel._draw_area(drawn, light)
+        if hasattr(panel, "draw_header"):
+            panel.draw_header(drawn, context)
+        panel.draw(drawn, context)
+        return [line() if callable(line) else line for line in said]
+
+    with replaced(panels, is_bare=lambda _scene: False):
+        for name, wanted in SHOWN.items():
+            if "_PT_" in name:
+                assert shown(getattr(panels, name)) == wanted.split("; "), (name, said)
+                continue
+            lamp.type = name.split()[0]
+            light = bpy.data.lights["lamp"]
+            if " " in name:
+                light.shape = name.split()[1]
+            found = shown(panels.DATA_PT_libshade_light, light)
+            assert [line for line in found if line not in NOT_ALL] == wanted.split("; ")[:-1] and (found[-1] in NOT_ALL), (name, found)
+            assert ("normalize" in found) == hasattr(light, "normalize") and ("use_soft_falloff" in found) == (name in ("POINT", "SPOT") and hasattr(light, "use_soft_falloff"))
+    with replaced(panels, is_bare=lambda _scene: True):
+        assert shown(panels.RENDER_PT_libshade_sampling)[:2] == ["libshade.add_studio_light", "samples = Render"]
+    for panel in panels._registered:
+        assert panel.bl_context == TABS[panel.__name__.split("_")[0]] and panel.bl_space_type == "PROPERTIES" and panel.COMPAT_ENGINES == {"LIBSHADE"}, panel
+        assert ("DEFAULT_CLOSED" in getattr(panel, "bl_options", ())) == (panel.__name__ in CLOSED), panel
+        assert panel.poll(SimpleNamespace(engine="CYCLES", light=lamp, object=ob, world=world, camera=None)) is False, panel
 
 
 def test_a_group_stands_where_its_node_stood():
