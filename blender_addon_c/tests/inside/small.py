@@ -568,6 +568,61 @@ def test_what_is_inside_our_nodes_is_hidden():
     assert [icon for _text, icon in drawn[1].lines] == ["ERROR"] + ["NONE"] * (len(drawn[1].lines) - 1) and len(drawn[1].lines) == 5
 
 
+def test_what_the_report_shows():
+    """A box for each thing that was said: whose it is, a button that selects that, and the rest in lines as wide as the region; red where it is an error."""
+    common.empty_scene()
+    report, drawn = module("report"), []
+    steel, lamp, world = bpy.data.materials.new("steel"), bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "POINT")), bpy.data.worlds.new("world")
+    common.tree_of(steel).nodes.new("ShaderNodeBump").name = "Bump"
+    for text, wanted in (("material 'steel': 'Bump': left out", (steel, "Bump", "MATERIAL", "'Bump': left out")), ("light 'lamp': odd", (lamp, "", "LIGHT", "odd")),
+                         ("object 'lamp': odd", (lamp, "", "OBJECT_DATA", "odd")), ("camera 'lamp': odd", (lamp, "", "CAMERA_DATA", "odd")),
+                         ("world 'world': odd", (world, "", "WORLD", "odd")), ("view layer 'lamp': odd", (None, "", "RENDERLAYERS", "view layer 'lamp': odd")),
+                         ("material 'gone': odd", (None, "", "MATERIAL", "material 'gone': odd")), ("the scene is odd", (None, "", "ERROR", "the scene is odd"))):
+        assert report.cause(text) == wanted, (text, report.cause(text))
+
+    class Layout:
+        alert = False
+
+        def label(self, text, icon="NONE"):
+            drawn.append((text, icon, self.alert))
+
+        def operator(self, name, text=None, icon="NONE"):
+            drawn.append((name, icon, text))
+            return Of()
+
+        def box(self, **_more):
+            return Layout()
+        row = column = box
+    scene = bpy.context.scene
+    texts = [("material 'steel': " + "word " * 20, True), ("the scene is odd", False)]
+    panel = report.RENDER_PT_libshade_differences
+    assert not panel.poll(Of(engine="LIBSHADE", scene=scene))
+    report._keep(scene, texts)
+    try:
+        assert panel.poll(Of(engine="LIBSHADE", scene=scene)) and not panel.poll(Of(engine="CYCLES", scene=scene))
+        panel.draw_header(Of(layout=Layout()), Of(scene=scene))
+        for width, scale, lines in ((10, 1.0, 5), (650, 1.0, 2), (650, 2.0, 3)):
+            del drawn[1:]
+            panel.draw(Of(layout=Layout()), Of(scene=scene, region=Of(width=width), preferences=Of(system=Of(ui_scale=scale))))
+            assert drawn[:3] == [("2", "NONE", False), ("steel", "MATERIAL", True), ("libshade.select_cause", "RESTRICT_SELECT_OFF", "")]
+            assert len(drawn) == 3 + lines + 3 and all(icon == "NONE" and red for _line, icon, red in drawn[3:3 + lines]), (width, scale, drawn)
+            assert drawn[-3:] == [("Scene", "ERROR", False), ("the scene is odd", "NONE", False), ("libshade.copy_report", "COPYDOWN", None)]
+        assert report.of_node(steel.node_tree.nodes["Bump"]) == [texts[0][0].removeprefix("material 'steel': ")]
+        report.keep_slopes(scene, [(0, 0, 0, 0.04, 0, 0.0009), (1, 0, 0, 0, 0, 0)], [{"name": "steel"}, {}])
+        assert report.slopes(scene) == "steel: slopes 0.2, 0.03\nA material: no bumps"
+        report.keep_failure(scene, "broken", "where it was")
+        assert report.told(scene) == [("broken", True), *texts]
+        first, *rest = report.whole(scene).splitlines()
+        assert first.startswith("libshade ") and f", Blender {bpy.app.version_string}, " in first
+        assert rest == ["Error: broken", f"Error: {texts[0][0]}", "Warning: the scene is odd", "Note: steel: slopes 0.2, 0.03", "Note: A material: no bumps", "where it was"]
+    finally:
+        report._forget()
+    assert not report.told(scene) and report.slopes(scene) == "" and len(report.whole(scene).splitlines()) == 1
+    assert [report.in_digits(number) for number in (0, 0.5, 12.345, 999.4, 1234567, 1.25e-5, 1e-9)] == ["0", "0.5", "12.3", "999", "1,234,567", "0.000013", "0"]
+    said = [report.failure(error)[0] for error in (MemoryError(), MemoryError("a  map"), ValueError("odd\nthing"))]
+    assert said[:2] == ["out of memory", "out of memory: a map"] and said[2] == "internal error: ValueError: odd thing (Copy Report is in the Render properties)"
+
+
 def run(tests):
     for name, test in list(tests.items()):
         if name.startswith("test_"):
