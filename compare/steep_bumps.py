@@ -3,7 +3,7 @@
 
 build/bumps (compare/bumps/) traces displaced fields of metal with up to 32 reflections, and shades the same fields
 by their normals with each choice of horizon. Surfaces: a noise of waves, a sine plate, ridges seen across and along.
-`mutual` knows the slopes of the whole field, as renderers find them; mutual_near those of a window about each point.
+`mutual` knows the slopes of the whole field where that is even, else those of a window about each point.
 With --long lobes are long, too (not on the sine plate); with --uneven fields are: waves of four octaves, long waves
 with fine ones, roofs, an embossed letter, pits, scratches, and noise on one half.
 Eyes stand at 15 to 75 degrees, reflectances are .6 and 1, lights five drawn skies (even, bright zenith, bright

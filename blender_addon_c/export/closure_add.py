@@ -54,6 +54,8 @@ def add(reader, closure, weight, normal=None, color=None):
         closure = {**closure, "weight": weight}
     if reader.colors and color:
         closure = {**closure, "pass_color": tuple(color)}
+    if normal and closure.get("horizon", "").lower() == "mutual":  # where its bumps are uneven, slopes by the point
+        closure = {**closure, "moment_from": tuple(reader.program.emit("RELIEF"))}
     reader.closures.append({**closure, "normal": normal} if normal else closure)
 
 

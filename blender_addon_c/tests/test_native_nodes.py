@@ -167,6 +167,7 @@ NODES = {
                    "amount": [0.7], "normal": [float(t) for t in TILT], "out": OUT[:3]}, scratched_again),
     "OCCLUSION": ({"samples": 3, "distance": [9.0], "out": OUT[:1]}, lambda u, v: np.ones((*u.shape, 3))),  # it is alone
     "BEVEL": ({"samples": 3, "radius": [0.1], "out": OUT[:3]}, stacked(lambda u, v: (0, 0, 1))),  # it is flat
+    "RELIEF": ({"out": OUT[:3]}, lambda u, v: np.zeros((*u.shape, 3))),  # no metal asks for it: test_native_shading.py
     "RAMP": ({"table": TABLE, "at": UV[:1], "smooth": True, "out": OUT}, ramp),
 }
 PLATE = square()

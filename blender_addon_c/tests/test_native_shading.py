@@ -121,6 +121,46 @@ def test_slopes_of_bumps_that_shade_each_other_are_found(tmp_path):
     native.free(job)
 
 
+def half_flat(slope, size=256):
+    """Waves on the left half, of 32 texels, and a flat right half."""
+    x, y = (2 * np.pi * (each + 0.5) / 32 for each in np.meshgrid(np.arange(size), np.arange(size)))
+    here = slope * (np.arange(size) < size / 2)
+    n = unit(np.stack([-here * np.cos(x) * np.sin(y), -here * np.sin(x) * np.cos(y), np.ones_like(x)], -1))
+    return image((0.5 + 0.5 * n).astype(np.float32))
+
+
+def test_slopes_of_uneven_bumps_are_those_near_a_point(tmp_path):
+    """Of a map that is flat on one half: there none, and pictures are as `hard`; on the other those of its own waves."""
+    path, light = tmp_path / "d.exr", sun(unit(np.array([0.3, 0.2, 0.4])))
+
+    def half(horizon):
+        uneven = {"nodes": [*material(normal_image=0)["nodes"], {"type": "RELIEF", "out": [[20], [21], [22]]}],
+                  "moment_from": [[20], [21], [22]]}
+        of = {**material(normal_image=0, ex=20.0, ey=20.0, horizon=horizon), **(uneven if horizon == "mutual" else {})}
+        return dump(scene(width=64, height=64, images=[half_flat(1.2)], materials=[of], lights=[light]), path)
+
+    hard, _ = half("hard")
+    planes, header = half("mutual")
+    done = subprocess.run([ROOT / "build/shade", "check", path], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    np.testing.assert_allclose(json.loads(header)["materials"][0]["slopes"], [0, 0, 0.18, 0, 0.18], atol=0.01)
+    bumpy, flat = np.s_[:, 6:26], np.s_[:, 38:58]
+    for axis in "XY":
+        moment = planes[f"slopes.{axis}{axis}"]
+        assert moment[flat].max() < 1e-3 and moment[bumpy].mean() == pytest.approx(0.36, rel=0.05)
+        assert moment[bumpy].std() < 0.1 * moment[bumpy].mean()
+    np.testing.assert_allclose(vectors(planes, "light0.S", "RGB")[flat], vectors(hard, "light0.S", "RGB")[flat], rtol=0.01)
+
+
+def test_slopes_of_even_bumps_are_those_of_all(tmp_path):
+    """They pay for no map: a dump has one number of each, and no channels."""
+    even = {**material(normal_image=0, horizon="mutual"), "moment_from": [[20], [21], [22]]}
+    even["nodes"] = [*even["nodes"], {"type": "RELIEF", "out": [[20], [21], [22]]}]
+    planes, header = dump(scene(images=[waves(1.2)], materials=[even]), tmp_path / "d.exr")
+    np.testing.assert_allclose(json.loads(header)["materials"][0]["slopes"], [0, 0.1, 0.36, 0, 0.36], atol=0.02)
+    assert "slopes.XX" not in planes
+
+
 def test_bumps_that_shade_each_other_lose_no_light():
     """A white metal of smooth facets under an even sky, seen from above and from the side; alone, each bump loses much."""
     smooth = {"mdf": "GGX", "brdf": "MICROFACET", "fresnel": "NONE", "f0": (1, 1, 1), "ax": 0.05, "ay": 0.05}

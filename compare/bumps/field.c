@@ -184,9 +184,21 @@ static void blur(float *grid, int side, int half, double *line) {
     }
 }
 
-/* The windows of field_near. `room` is two grids. */
-static void find_near(field *f, float *room, double *line) {
+/* How much moments in windows count, not that of all: the more, the more they vary. */
+static double nearness(const field *f) {
   const size_t points = (size_t)f->side * (size_t)f->side;
+  double squares = 0;
+  for (size_t i = 0; i < points; i++) {
+    const double here = (f->moment[0][i] + f->moment[2][i]) / (f->xx + f->yy);
+    squares += here * here / (double)points;
+  }
+  return clamped((squares - 1 - 0.5) / 0.3, 0, 1);
+}
+
+/* For field_moment. `room` is two grids. */
+static void find_moments(field *f, float *room, double *line) {
+  const size_t points = (size_t)f->side * (size_t)f->side;
+  const double whole[3] = {f->xx, f->xy, f->yy};
   int half = 3;
   for (; half < f->side / 8; half *= 2) {
     double left = 0;
@@ -200,12 +212,16 @@ static void find_near(field *f, float *room, double *line) {
       break;
   }
   for (size_t i = 0; i < points; i++) {
-    f->near[0][i] = f->slope_x[i] * f->slope_x[i];
-    f->near[1][i] = f->slope_x[i] * f->slope_y[i];
-    f->near[2][i] = f->slope_y[i] * f->slope_y[i];
+    f->moment[0][i] = f->slope_x[i] * f->slope_x[i];
+    f->moment[1][i] = f->slope_x[i] * f->slope_y[i];
+    f->moment[2][i] = f->slope_y[i] * f->slope_y[i];
   }
   for (int k = 0; k < 3; k++)
-    blur(f->near[k], f->side, half, line);
+    blur(f->moment[k], f->side, half, line);
+  const double near = nearness(f);
+  for (int k = 0; k < 3; k++)
+    for (size_t i = 0; i < points; i++)
+      f->moment[k][i] = (float)(whole[k] + near * (f->moment[k][i] - whole[k]));
 }
 
 int field_make(field *f, kind kind, double slope) {
@@ -223,7 +239,7 @@ int field_make(field *f, kind kind, double slope) {
                .height = all,
                .slope_x = all + points,
                .slope_y = all + 2 * points,
-               .near = {all + 3 * points, all + 4 * points, all + 5 * points},
+               .moment = {all + 3 * points, all + 4 * points, all + 5 * points},
                .low = INFINITY,
                .high = -INFINITY};
   fill(f, slope);
@@ -237,7 +253,7 @@ int field_make(field *f, kind kind, double slope) {
     f->yy += sy * sy / (double)points;
   }
   f->steepest *= 1.02; /* between the points */
-  find_near(f, all + 6 * points, line);
+  find_moments(f, all + 6 * points, line);
   free(line);
   return 1;
 }
@@ -256,9 +272,9 @@ static double between(const field *f, const float *grid, double x, double y) {
   return (1 - v) * (a[i] + u * (a[next] - a[i])) + v * (b[i] + u * (b[next] - b[i]));
 }
 
-void field_near(const field *f, double x, double y, double moment[3]) {
+void field_moment(const field *f, double x, double y, double moment[3]) {
   for (int k = 0; k < 3; k++)
-    moment[k] = between(f, f->near[k], x, y);
+    moment[k] = between(f, f->moment[k], x, y);
 }
 
 vec field_normal(const field *f, double x, double y) {

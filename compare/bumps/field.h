@@ -37,7 +37,7 @@ typedef struct field {
   kind kind;
   int side;                          /* points along a period, a power of 2 */
   float *height, *slope_x, *slope_y; /* side * side each, in one piece of memory */
-  float *near[3]; /* likewise: second moment of slopes in a window about a point */
+  float *moment[3];                  /* likewise: see field_moment */
   double low, high, steepest;
   double xx, xy, yy; /* second moment of the slopes, whose mean is 0 */
 } field;
@@ -50,9 +50,11 @@ void field_free(field *f);
 
 vec field_normal(const field *f, double x, double y);
 
-/* xx, xy, yy of the slopes in a window about a point. The window is the finest of those, each twice
- * as wide as the one before, within which four fifths of the slopes' variance are. */
-void field_near(const field *f, double x, double y, double moment[3]);
+/* The second moment xx, xy, yy of slopes by which bumps shade each other: of an even map that of
+ * the whole, of an uneven one that in a window about a point, of what lies between a part of both.
+ * Windows are the finest of those, each twice as wide as the one before, within which four fifths
+ * of the slopes' variance are. docs/theory/horizons.md, `mutual`. */
+void field_moment(const field *f, double x, double y, double moment[3]);
 
 /* The first meeting of a ray with it, as a distance, or -1. `along` is unit, `from` not below it.
  */

@@ -20,7 +20,7 @@
 #include "shade/shade.h"
 
 enum { SKIES = 5, ELEVATIONS = 4, TURNS = 3, SUNS = ELEVATIONS * TURNS, LIGHTS = SKIES + SUNS };
-enum { EYES = 5, COLORS = 2, WAYS = SHADE_HORIZON_COUNT + 2, BOUNCES = 32, HALVES = 2 };
+enum { EYES = 5, COLORS = 2, WAYS = SHADE_HORIZON_COUNT + 1, BOUNCES = 32, HALVES = 2 };
 
 static const char *const sky_words[SKIES] = {"even", "zenith", "horizon", "patch_before",
                                              "patch_behind"};
@@ -209,12 +209,10 @@ static void set_mutual(shade_params *p, const double slopes[5], shade_bsdf to[CO
   }
 }
 
-/* [half][0: displaced; then the horizons, the last of which is mutual by the slopes near a point]
- * of one eye. */
+/* [half][0: displaced; then the horizons] of one eye. */
 static void look(const field *f, const order *o, int eye, sums mean[HALVES][WAYS]) {
   shade_params p = o->params;
   enum { MUTUAL = SHADE_HORIZON_MUTUAL };
-  const double whole[5] = {0, 0, f->xx, f->xy, f->yy};
   shade_bsdf facet, ways[SHADE_HORIZON_COUNT][COLORS];
   p.detail = SHADE_DETAIL_NONE;
   set_color(&p, 1);
@@ -226,7 +224,6 @@ static void look(const field *f, const order *o, int eye, sums mean[HALVES][WAYS
       set_color(&p, color[c]);
       shade_bsdf_setup(&ways[h][c], &p);
     }
-  set_mutual(&p, whole, ways[MUTUAL]);
   /* around the map for what is the same from everywhere; ridges from one side */
   const int turns = f->kind < RIDGES_ACROSS ? 8 : 1;
   const double from = f->kind == RIDGES_ALONG ? PI / 2 : turns > 1 ? PI / 16 : 0;
@@ -241,13 +238,11 @@ static void look(const field *f, const order *o, int eye, sums mean[HALVES][WAYS
         const double x = (k % side + uniform(&random)) * PERIOD / side,
                      y = (k / side + uniform(&random)) * PERIOD / side;
         trace(f, &facet, &v, x, y, &random, &mean[half][0]);
+        double moment[3];
+        field_moment(f, x, y, moment);
+        set_mutual(&p, (const double[5]){0, 0, moment[0], moment[1], moment[2]}, ways[MUTUAL]);
         for (int h = 0; h < SHADE_HORIZON_COUNT; h++)
           shade_map(f, ways[h], &v, x, y, &random, &mean[half][1 + h]);
-        double near[3];
-        field_near(f, x, y, near);
-        set_mutual(&p, (const double[5]){0, 0, near[0], near[1], near[2]}, ways[MUTUAL]);
-        shade_map(f, ways[MUTUAL], &v, x, y, &random, &mean[half][1 + SHADE_HORIZON_COUNT]);
-        set_mutual(&p, whole, ways[MUTUAL]);
       }
     }
   for (int half = 0; half < HALVES; half++)
@@ -258,9 +253,7 @@ static void look(const field *f, const order *o, int eye, sums mean[HALVES][WAYS
 }
 
 static const char *name_of(int way) {
-  return way == 0                    ? "displaced"
-         : way > SHADE_HORIZON_COUNT ? "mutual_near"
-                                     : shade_list_word(SHADE_LIST_HORIZON, way - 1);
+  return way ? shade_list_word(SHADE_LIST_HORIZON, way - 1) : "displaced";
 }
 
 static void write_eye(FILE *to, const order *o, int eye, sums mean[HALVES][WAYS]) {

@@ -40,6 +40,7 @@
 #include "node/path.h"
 #include "node/perturb.h"
 #include "node/ramp.h"
+#include "node/relief.h"
 #include "node/fibres.h"
 #include "node/scratches.h"
 #include "node/step.h"

@@ -11,7 +11,8 @@
   ROW(BUMP, bump)                                                                                  \
   ROW(BEND, bend)                                                                                  \
   ROW(BEVEL, bevel)                                                                                \
-  ROW(FRAME, frame)
+  ROW(FRAME, frame)                                                                                \
+  ROW(RELIEF, relief)
 #define NODES_LAYER(ROW)                                                                           \
   ROW(ALBEDO, albedo)                                                                              \
   ROW(GLASS_ALBEDO, glass_albedo)                                                                  \

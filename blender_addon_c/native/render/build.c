@@ -263,6 +263,7 @@ void scene_free(scene *s) {
   for (size_t i = 0; s->material && i < s->materials; i++) {
     free(s->material[i].name);
     free(s->material[i].closure);
+    relief_free(&s->material[i]);
     free(s->material[i].node);
   }
   for (size_t i = 0; s->mesh && i < s->meshes; i++) {

@@ -135,6 +135,13 @@ static bool varies(const scene *s, const varied *v) {
   return false;
 }
 
+static bool is_uneven(const scene *s) {
+  for (size_t m = 0; m < s->materials; m++)
+    if (is_metal(&s->material[m]) && s->material[m].closure[0].of.metal.moment[0].at >= 0)
+      return true;
+  return false;
+}
+
 static bool is_turned(const scene *s) {
   for (size_t m = 0; m < s->materials; m++)
     if (is_metal(&s->material[m]) && s->material[m].closure[0].of.metal.grooved)
@@ -162,7 +169,8 @@ shade_dump *dump_scene_create(const scene *s, message_log *log) {
       shade_dump_free(d);
       d = NULL;
     }
-  if (d && is_turned(s) && !shade_dump_add(d, SHADE_DUMP_GROOVE)) {
+  if (d && ((is_turned(s) && !shade_dump_add(d, SHADE_DUMP_GROOVE)) ||
+            (is_uneven(s) && !shade_dump_add(d, SHADE_DUMP_SLOPES)))) {
     shade_dump_free(d);
     d = NULL;
   }
@@ -215,6 +223,16 @@ static float angle_of(const closure_metal *c, const inputs *in, size_t i) {
   return good ? atan2f(x[1], x[0]) : 0.0f;
 }
 
+static void put_slopes(shade_dump *d, size_t at, const closure_metal *c, const inputs *in,
+                       size_t i) {
+  double own[5];
+  shade_params_get_slopes(&c->params, own);
+  for (int k = 0; k < 5; k++) {
+    const int of = k < 2 ? OPERAND_NUMBER : c->moment[k - 2].at;
+    shade_dump_plane(d, SHADE_DUMP_SLOPES + k)[at] = of < 0 ? (float)own[k] : in->at[of][i];
+  }
+}
+
 static void put_metal(shade_dump *d, size_t at, const closure *of, const inputs *in, size_t i) {
   const closure_metal *c = &of->of.metal;
   for (int k = 0; k < 3; k++)
@@ -223,6 +241,8 @@ static void put_metal(shade_dump *d, size_t at, const closure *of, const inputs 
   put_varied(d, at, c, in, i);
   if (shade_dump_has(d, SHADE_DUMP_GROOVE))
     shade_dump_plane(d, SHADE_DUMP_GROOVE)[at] = angle_of(c, in, i);
+  if (shade_dump_has(d, SHADE_DUMP_SLOPES))
+    put_slopes(d, at, c, in, i);
 }
 
 /* Its place is that in the weave, and its tangent the cloth's x axis. */

@@ -6,9 +6,12 @@
 #include <string.h>
 
 #include "closure/closure.h"
+#include "node/node.h"
 #include "render/hits.h"
 
-enum { POINTS = 4 * BATCH }; /* a material: the root of a variance is then within 2 % */
+/* Of a material: of POINTS the root of a variance is within 2 %. Where bumps may be uneven FINE
+ * make a map, of cells that hold four of them. */
+enum { POINTS = 4 * BATCH, FINE = 256 * BATCH, SIDE = 256, COARSEST = 8 };
 
 static bool is_mutual(const closure *c) {
   return c->type == CLOSURE_METAL && c->of.metal.params.horizon == SHADE_HORIZON_MUTUAL;
@@ -42,9 +45,9 @@ static double length(const double v[3]) {
   return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* Adds up the areas of a material's triangles; where there is room, puts down POINTS points that
+/* Adds up the areas of a material's triangles; where there is room, puts down `count` points that
  * lie as densely on all of it. Returns the sum. */
-static double walk(const scene *s, int32_t material, double area, point *points) {
+static double walk(const scene *s, int32_t material, double area, size_t count, point *points) {
   double sum = 0;
   size_t made = 0;
   for (const instance *in = s->instance; in < s->instance + s->instances; in++) {
@@ -54,7 +57,7 @@ static double walk(const scene *s, int32_t material, double area, point *points)
         continue;
       const double own = length(point_of(in, m, t, 0, 0).n);
       sum += own < 1e30 ? own : 0;
-      for (; points && made < POINTS && ((double)made + 0.5) * area < sum * POINTS; made++) {
+      for (; points && made < count && ((double)made + 0.5) * area < sum * (double)count; made++) {
         /* multiples of the plastic number's powers lie evenly in a square, which is folded */
         double u = (double)(made + 1) * 0.7548776662466927,
                v = (double)(made + 1) * 0.5698402909980532;
@@ -88,43 +91,192 @@ static size_t aim_down(const point *points, size_t count, rays *ray) {
   return made;
 }
 
-typedef struct moments {
-  double count, x, y, xx, xy, yy;
-} moments;
+/* What a closure's normals say at points that were looked at. */
+typedef struct bump {
+  float u, v, x, y; /* a place of the UV map, a slope */
+} bump;
+typedef struct bumps {
+  size_t count;
+  bump *of;
+} bumps;
 
-/* The slopes of the normals that a closure takes, in the run of its material. */
-static void add_slopes(const closure_metal *c, lane_run run, const inputs *in, moments *m) {
-  enum { STEEPEST = 50 };
+/* Those of the normals that a closure takes, in the run of its material. */
+static void add_bumps(const closure_metal *c, lane_run run, const batch *b, bumps *to) {
+  const float shallowest = 0.02f;
   for (size_t i = run.begin; i < run.end; i++) {
-    const vec3 n = normal_at(in, c->normal, i);
-    if (!(n.z > 1.0f / STEEPEST))
-      continue;
-    const double x = -(double)(n.x / n.z), y = -(double)(n.y / n.z);
-    m->count++;
-    m->x += x;
-    m->y += y;
-    m->xx += x * x;
-    m->xy += x * y;
-    m->yy += y * y;
+    const vec3 n = normal_at(&b->input, c->normal, i);
+    const float u = b->surface.u[i], v = b->surface.v[i];
+    if (n.z > shallowest && isfinite(u) && isfinite(v))
+      to->of[to->count++] = (bump){u, v, -n.x / n.z, -n.y / n.z};
   }
 }
 
+/* Slopes of bumps: their mean, and the second moment about it; the variance of their squares, over
+ * the mean's square. */
+typedef struct moments {
+  double x, y, xx, xy, yy, varies;
+} moments;
+
+static moments moments_of(const bumps *all) {
+  moments m = {0};
+  const double share = 1 / (double)all->count;
+  double fourth = 0;
+  for (const bump *b = all->of; b < all->of + all->count; b++) {
+    m.x += share * (double)b->x;
+    m.y += share * (double)b->y;
+  }
+  for (const bump *b = all->of; b < all->of + all->count; b++) {
+    const double x = (double)b->x - m.x, y = (double)b->y - m.y;
+    m.xx += share * x * x;
+    m.xy += share * x * y;
+    m.yy += share * y * y;
+    fourth += share * (x * x + y * y) * (x * x + y * y);
+  }
+  const double sum = m.xx + m.yy;
+  m.varies = sum > 1e-10 ? fourth / (sum * sum) - 1 : 0;
+  return m;
+}
+
+/* Sums of slopes in a cell, taken from the mean. */
+typedef struct cell {
+  float count, x, y, xx, xy, yy;
+} cell;
+
+static cell plus(cell a, cell b) {
+  return (cell){a.count + b.count, a.x + b.x, a.y + b.y, a.xx + b.xx, a.xy + b.xy, a.yy + b.yy};
+}
+
+static const cell *cell_at(const cell *cells, int side, int x, int y) {
+  return &cells[(y & (side - 1)) * side + (x & (side - 1))];
+}
+
+/* Windows of 3 by 3 cells, by 1, 2 and 1 along either axis: those of 2 come twice. */
+static void blur(const cell *cells, int side, cell *to) {
+  for (int k = 0; k < side * side; k++) {
+    const int x = k % side, y = k / side;
+    cell sum = {0};
+    for (int j = 0; j < 16; j++)
+      sum = plus(sum, *cell_at(cells, side, x + j % 4 / 2 + j % 2 - 1, y + j / 8 + j / 4 % 2 - 1));
+    to[k] = sum;
+  }
+}
+
+static void halve(cell *cells, int side) {
+  for (int k = 0; k < side * side / 4; k++) {
+    const cell *low = cells + 4 * (k / (side / 2)) * (side / 2) + 2 * (k % (side / 2));
+    cells[k] = plus(plus(low[0], low[1]), plus(low[side], low[side + 1]));
+  }
+}
+
+/* The squares of the means in windows, which is what windows do not hold. */
+static double left_out(const cell *cells, const cell *windows, int side) {
+  double sum = 0;
+  for (int k = 0; k < side * side; k++) {
+    const cell w = windows[k];
+    if (cells[k].count > 0)
+      sum += (double)(cells[k].count * (w.x * w.x + w.y * w.y) / (w.count * w.count));
+  }
+  return sum;
+}
+
+/* The square of the UV map that the bumps lie in; all of it, again and again, where that is larger.
+ */
+static void frame(const bumps *all, relief_map *map) {
+  float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  for (const bump *b = all->of; b < all->of + all->count; b++) {
+    const float at[2] = {b->u, b->v};
+    for (int k = 0; k < 2; k++) {
+      low[k] = fminf(low[k], at[k]);
+      high[k] = fmaxf(high[k], at[k]);
+    }
+  }
+  const float size = fmaxf(high[0] - low[0], high[1] - low[1]), rim = 0.01f * size;
+  const bool repeats = !(size < 1.0f);
+  for (int k = 0; k < 2; k++)
+    map->first[k] = repeats ? 0.0f : low[k] - rim;
+  map->scale = repeats ? 1.0f : 1.0f / fmaxf(size + 2 * rim, 1e-6f);
+}
+
+static void fill(const bumps *all, const moments *m, const relief_map *map, cell *cells) {
+  for (const bump *b = all->of; b < all->of + all->count; b++) {
+    const float x = b->x - (float)m->x, y = b->y - (float)m->y;
+    const int i = relief_find_place(b->u, map->first[0], map->scale, SIDE).nearest;
+    const int j = relief_find_place(b->v, map->first[1], map->scale, SIDE).nearest;
+    cell *to = &cells[j * SIDE + i];
+    *to = plus(*to, (cell){1.0f, x, y, x * x, x * y, y * y});
+  }
+}
+
+/* How much moments in windows count, not those of all: the more, the more they vary. Waves' are
+ * even enough; where half of a map is flat they count wholly. */
+static const double even = 0.5, uneven = 0.8; /* variance over the mean's square */
+static float nearness(const cell *cells, const cell *windows, int side, double sum, double count) {
+  double squares = 0;
+  for (int k = 0; k < side * side; k++) {
+    const cell w = windows[k];
+    const double here = cells[k].count > 0 ? (double)((w.xx + w.yy) / w.count) / sum : 0;
+    squares += (double)cells[k].count * here * here / count;
+  }
+  return (float)fmin(fmax((squares - 1 - even) / (uneven - even), 0), 1);
+}
+
+/* The finest map whose windows hold four fifths of the variance, or, of even bumps, NULL. False
+ * when out of memory. */
+static bool make_map(const bumps *all, const moments *m, relief_map **made) {
+  const double sum = m->xx + m->yy, most = 0.2 * sum * (double)all->count;
+  const float none = 1e-3f, whole[3] = {(float)m->xx, (float)m->xy, (float)m->yy};
+  float near = 0;
+  cell *cells = calloc(SIDE * SIDE, sizeof *cells), *windows = calloc(SIDE * SIDE, sizeof *cells);
+  relief_map *map = malloc(sizeof *map + sizeof *map->moment * SIDE * SIDE);
+  if (cells && windows && map) {
+    frame(all, map);
+    fill(all, m, map, cells);
+    map->side = SIDE;
+    for (;; map->side /= 2) {
+      blur(cells, map->side, windows);
+      if (map->side == COARSEST || left_out(cells, windows, map->side) <= most)
+        break;
+      halve(cells, map->side);
+    }
+    near = nearness(cells, windows, map->side, sum, (double)all->count);
+    for (int k = 0; k < map->side * map->side; k++) {
+      const cell w = windows[k];
+      const float here[3] = {w.xx, w.xy, w.yy}, part = near / (w.count + none);
+      for (int i = 0; i < 3; i++) /* where nothing was seen that of all */
+        map->moment[k][i] = whole[i] + part * (here[i] - w.count * whole[i]);
+    }
+  }
+  const bool good = cells && windows && map;
+  free(cells);
+  free(windows);
+  if (!(near > 0)) {
+    free(map);
+    map = NULL;
+  }
+  *made = map;
+  return good;
+}
+
 static void set_slopes(closure_metal *c, const moments *m) {
-  if (!(m->count > 0))
-    return;
-  const double x = m->x / m->count, y = m->y / m->count;
-  shade_params_set_slopes(&c->params, (const double[5]){x, y, fmax(m->xx / m->count - x * x, 0),
-                                                        m->xy / m->count - x * y,
-                                                        fmax(m->yy / m->count - y * y, 0)});
+  shade_params_set_slopes(&c->params, (const double[5]){m->x, m->y, m->xx, m->xy, m->yy});
   shade_bsdf_setup(&c->bsdf, &c->params);
 }
 
-static bool look(worker *w, material *m, const point *points) {
+/* The node that a closure reads. */
+static node_relief *node_of(material *m, const closure_metal *c) {
+  for (size_t k = m->nodes; k-- > 0;)
+    if (m->node[k].type == NODE_RELIEF && m->node[k].of.relief.out[0] == c->moment[0].at)
+      return &m->node[k].of.relief;
+  return NULL;
+}
+
+/* What the points say, by closure. */
+static void see(worker *w, const material *m, const point *points, size_t points_count,
+                bumps *found) {
   batch *b = w->batch;
-  moments *found = calloc(m->closures, sizeof *found);
-  if (!found)
-    return false;
-  for (size_t first = 0; first < POINTS; first += BATCH) {
+  for (size_t first = 0; first < points_count; first += BATCH) {
+    if (atomic_load_explicit(w->cancel, memory_order_relaxed))
+      return;
     const size_t count = aim_down(points + first, BATCH, &b->sample_ray);
     hits_trace(w, RAY_CAMERA, count);
     if (!b->queue.hits)
@@ -135,13 +287,38 @@ static bool look(worker *w, material *m, const point *points) {
     for (const segment *g = b->queue.segment; g < b->queue.segment + b->queue.segments; g++)
       for (size_t k = 0; g->material == m && k < m->closures; k++)
         if (wants_slopes(&m->closure[k]))
-          add_slopes(&m->closure[k].of.metal, g->run, &b->input, &found[k]);
+          add_bumps(&m->closure[k].of.metal, g->run, b, &found[k]);
   }
+}
+
+/* Looks at so many points of a material; *varied: whether FINE may make a map. */
+static bool look(worker *w, material *m, double area, size_t count, bool *varied) {
+  bumps found[CLOSURES_MOST] = {{0}};
+  point *points = calloc(count, sizeof *points);
+  bool good = points != NULL;
   for (size_t k = 0; k < m->closures; k++)
     if (wants_slopes(&m->closure[k]))
-      set_slopes(&m->closure[k].of.metal, &found[k]);
-  free(found);
-  return true;
+      good = (found[k].of = malloc(count * sizeof *found[k].of)) && good;
+  *varied = false;
+  if (good) {
+    walk(w->scene, (int32_t)(m - w->scene->material), area, count, points);
+    see(w, m, points, count, found);
+  }
+  for (size_t k = 0; good && k < m->closures; k++)
+    if (found[k].count > 0) {
+      closure_metal *c = &m->closure[k].of.metal;
+      node_relief *n = node_of(m, c);
+      const moments all = moments_of(&found[k]);
+      set_slopes(c, &all);
+      if (!n || n->map || all.varies < even) /* windows do not vary more */
+        continue;
+      *varied = true;
+      good = count < FINE || make_map(&found[k], &all, &n->map);
+    }
+  for (size_t k = 0; k < m->closures; k++)
+    free(found[k].of);
+  free(points);
+  return good;
 }
 
 static bool wants(const material *m) {
@@ -151,30 +328,44 @@ static bool wants(const material *m) {
   return false;
 }
 
+static bool look_at(worker *w, material *m) {
+  bool varied;
+  const double area = walk(w->scene, (int32_t)(m - w->scene->material), 0, 0, NULL);
+  if (!(area > 0))
+    return true;
+  if (!w->batch && !batch_init(w))
+    return false;
+  memset(w->batch->path_states, 0, sizeof w->batch->path_states);
+  return look(w, m, area, POINTS, &varied) && (!varied || look(w, m, area, FINE, &varied));
+}
+
+/* Of even bumps there is one moment, which the closure knows. */
+static void leave_even(material *m) {
+  for (closure *c = m->closure; c < m->closure + m->closures; c++) {
+    const node_relief *n = c->type == CLOSURE_METAL ? node_of(m, &c->of.metal) : NULL;
+    for (int k = 0; n && !n->map && k < 3; k++)
+      c->of.metal.moment[k].at = OPERAND_NUMBER;
+  }
+}
+
 bool relief_find(scene *s, const atomic_bool *cancel) {
   static const sampling none;
   worker w = {.scene = s, .sampling = &none, .cancel = cancel};
-  point *points = NULL;
   bool good = true;
   for (material *m = s->material; good && m < s->material + s->materials; m++) {
-    if (!wants(m) || atomic_load_explicit(cancel, memory_order_relaxed))
-      continue;
-    const int32_t number = (int32_t)(m - s->material);
-    const double area = walk(s, number, 0, NULL);
-    if (!(area > 0))
-      continue;
-    points = points ? points : calloc(POINTS, sizeof *points);
-    good = points && (w.batch || batch_init(&w));
-    if (!good)
-      break;
-    memset(w.batch->path_states, 0, sizeof w.batch->path_states);
-    walk(s, number, area, points);
-    good = look(&w, m, points);
+    if (wants(m) && !atomic_load_explicit(cancel, memory_order_relaxed))
+      good = look_at(&w, m);
+    leave_even(m);
   }
   if (w.batch)
     batch_free(&w);
-  free(points);
   return good;
+}
+
+void relief_free(material *m) {
+  for (node *n = m->node; m->node && n < m->node + m->nodes; n++)
+    if (n->type == NODE_RELIEF)
+      free(n->of.relief.map);
 }
 
 bool relief_told(const material *m, double slopes[5]) {
