@@ -54,7 +54,8 @@ def needs(file):
     if file.endswith(".py"):
         for dots, module, names in re.findall(r"^ *from (\.*)([\w.]*) import \(?([\w, ]*)", text, re.M):
             places = [folder if len(dots) == 1 else folder.rstrip("/").rpartition("/")[0] + "/"] if dots else (folder, *PACKAGES)
-            for place in places:
+            own = _there(f"{folder}{module}.py")  # each folder of tests has its conftest
+            for place in places[:1] if own and not dots else places:
                 path = place + module.replace(".", "/")
                 found |= _there(f"{path}.py") | _there(f"{path}/__init__.py")
                 for name in re.split(r"[, ]+", names):
@@ -64,7 +65,7 @@ def needs(file):
                 for place in (folder, *PACKAGES):
                     found |= _there(f"{place}{name.replace('.', '/')}.py")
         for name in re.findall(r"[\"']([\w/-]+\.(?:py|sh|mk))[\"']", text):  # scripts that are started
-            for place in (folder, f"{folder}inside/", "", "setup/"):
+            for place in (folder, f"{folder}inside/", "", "setup/", folder.rstrip("/").rpartition("/")[0] + "/"):
                 found |= _there(place + name)
         if ".scene(" in text:
             found |= _there(f"{folder}inside/scenes.py")

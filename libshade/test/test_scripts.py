@@ -232,19 +232,21 @@ def test_which_tests_reach_a_file(house):
         "blender_addon_c/export/e.py": "from . import f\n", "blender_addon_c/export/f.py": "", "blender_addon_c/native/node/n.h": "", "blender_addon_c/native/isa/n.c": '#include "node/n.h"\n',
         "blender_addon_c/tests/test_blender_e.py": 'COST = 9\nALONE = {"test_b": 5}\ndef test_b(blender): pass\n', "blender_addon_c/tests/test_native_n.py": "from native_scenes import native\nCOST = 4\n",
         "povray_patches/series": "", "povray_patches/glue/g.cpp": "", "povray_patches/tests/test_p.py": "COST = .5\ndef test_p(povray): pass\n", "Makefile": "",
-        "compare/tests/test_make.py": 'COST = 8\nrun(["make"])\nimport judge\n'})
+        "compare/tests/test_make.py": 'COST = 8\nrun(["make"])\nimport judge\nfrom conftest import thing\n', "compare/tests/conftest.py": "import deep\n",
+        "farm/tests/conftest.py": "", "farm/tests/test_farm.py": 'COST = 7\nfrom conftest import thing\nrun("started.py")\n', "farm/started.py": ""})
     git(root)
     for file, wanted in {
             "libshade/include/shade/a.h": ["c a"], "libshade/src/a.c": ["c a"], "libshade/src/inner.c": ["c a"], "libshade/tool/eval.c": ["py libshade/test/test_tool.py"],
             "setup/some.sh": ["py libshade/test/test_tool.py"], "compare/deep.py": ["py compare/tests/test_judge.py", "py compare/tests/test_make.py"],
             "blender_addon_c/export/f.py": ["blender blender_addon_c/tests/test_blender_e.py"], "blender_addon_c/native/node/n.h": [f"blender blender_addon_c/tests/test_{name}.py" for name in ("native_n", "blender_e")],
             "povray_patches/0001-x.patch": ["povray povray_patches/tests/test_p.py"], "build/povray/src/x.cpp": ["povray povray_patches/tests/test_p.py"],
-            "povray_patches/glue/g.cpp": ["povray povray_patches/tests/test_p.py"], "Makefile": ["py compare/tests/test_make.py"]}.items():
+            "povray_patches/glue/g.cpp": ["povray povray_patches/tests/test_p.py"], "Makefile": ["py compare/tests/test_make.py"],
+            "farm/tests/conftest.py": ["py farm/tests/test_farm.py"], "farm/started.py": ["py farm/tests/test_farm.py"]}.items():
         done = run(sys.executable, root / "setup/reach.py", file)
         assert done.stdout.splitlines() == [file, *(f"$ {test}" for test in wanted)], file
     (root / "setup/mutants-noticed.txt").write_text("# head\na -> b\tlibshade/test/test_a.c::main compare/tests/test_judge.py::test_x\nc -> d\tlibshade/test/test_a.c::main\n")
     said = [line.split() for line in run(sys.executable, root / "setup/costs.py").stdout.splitlines()]
-    assert said[0] == ["seconds", "noticed", "file"] and said[-1] == ["34"] and len(said) == 10
+    assert said[0] == ["seconds", "noticed", "file"] and said[-1] == ["40"] and len(said) == 11
     assert said[1] == ["14.0", "0", "blender_addon_c/tests/test_blender_e.py"] and ["3.0", "2", "libshade/test/test_a.c"] in said and ["2.0", "1", "compare/tests/test_judge.py"] in said
 
 
