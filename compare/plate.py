@@ -43,9 +43,27 @@ def _waves():
     return numbers, np.random.default_rng(5).uniform(0, 2 * np.pi, len(numbers))
 
 
+def _letter(u, v):
+    """(height, dh/du, dh/dv) of a ring and a bar that stand out, with bevels of slope 1; elsewhere it is flat."""
+    x, y = (2 * np.pi * (at - np.floor(at)) - np.pi for at in (u, v))
+    out = np.maximum(np.hypot(x, y), 1e-9)
+    # how far within the outlines of each, and which way that grows
+    inside = np.stack([0.3 - np.abs(out - 1.7), 0.3 - np.abs(y), 2.6 - np.abs(x)])
+    in_bar = np.minimum(inside[1], inside[2])
+    way = np.sign(1.7 - out)
+    ring, across = inside[0] > in_bar, inside[1] < inside[2]
+    deep = np.maximum(inside[0], in_bar) + 0.1
+    bevel = (deep > 0) & (deep < 0.25)
+    du = np.where(ring, way * x / out, np.where(across, 0, -np.sign(x))) * bevel
+    dv = np.where(ring, way * y / out, np.where(across, -np.sign(y), 0)) * bevel
+    return np.clip(deep, 0, 0.25) / (2 * np.pi), du, dv
+
+
 def relief(surface, slope, u, v):
-    """(height, dh/du, dh/dv) of "waves", as of height(), "noise", or "ridges" along v. slope: the steepest, but of a noise
-    the root of twice the variance along both axes."""
+    """(height, dh/du, dh/dv) of "waves", as of height(), "noise", "ridges" along v, or an embossed "letter". slope: the
+    steepest, but of a noise the root of twice the variance along both axes."""
+    if surface == "letter":
+        return tuple(slope * each for each in _letter(u, v))
     if surface == "noise":
         numbers, shifts = _waves()
         height_, du, dv = (np.zeros(np.shape(u)) for _ in range(3))

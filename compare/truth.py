@@ -18,7 +18,7 @@ that has one colour where the normal is one, found with the truth at hand: no me
 normal and nothing else comes nearer. The exit status asks for less than the error of Cycles, in the
 median; what is wanted is a third of it, and whether that is reached is said, and kept in truth.json.
 
-With --surface noise or ridges, or with --eye, the rules of the horizon are compared under skies, `mutual` among
+With --surface noise, ridges or letter, or with --eye, the rules of the horizon are compared under skies, `mutual` among
 them, whose bumps shade and light each other: round lobes of GGX, bumps as steep as --slope, with up to 12
 bounces; --eye is how many degrees the eye stands above the plate. What is of the normal alone is known from above
 alone, of waves. The exit status asks that `mutual` be no further off than `valid_estevez`, today's rule, in the median.
@@ -61,11 +61,11 @@ def arguments(argv=None):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--surface", choices=("waves", "scratches", "noise", "ridges"), default="waves",
+    parser.add_argument("--surface", choices=("waves", "scratches", "noise", "ridges", "letter"), default="waves",
                         help="what is bumped (default waves)")
     parser.add_argument("--eye", type=float, help="degrees above the plate, 15 to 90 (default 90)")
     parser.add_argument("--slope", type=float, default=1.0,
-                        help="of --surface noise and ridges and with --eye: of the bumps, 0.1 to 2 (default 1)")
+                        help="of --surface noise, ridges and letter and with --eye: of the bumps, 0.1 to 2 (default 1)")
     parser.add_argument("--light", choices=("sun", "sky"), default="sun",
                         help="what lights it (default sun)")
     parser.add_argument("--sky", type=Path, action="append",
@@ -81,13 +81,13 @@ def arguments(argv=None):
                         help="folder for results (default build/compare/truth, or "
                              "build/compare/truth-scratches, build/compare/truth-sky)")
     options = parser.parse_args(argv)
-    options.horizons = options.surface in ("noise", "ridges") or options.eye is not None
+    options.horizons = options.surface in ("noise", "ridges", "letter") or options.eye is not None
     options.eye = 90.0 if options.eye is None else options.eye
     if not (15 <= options.eye <= 90 and 0.1 <= options.slope <= 2):
         parser.error("--eye wants 15 to 90 degrees, --slope 0.1 to 2")
     if options.horizons:
         if options.surface == "scratches":
-            parser.error("--eye is for waves, noise and ridges")
+            parser.error("--eye is for waves, noise, ridges and letter")
         options.light = "sky"
     if options.size is None:
         options.size = 256 if options.light == "sky" else 512

@@ -22,7 +22,7 @@ def test_slopes_are_those_of_the_height():
     assert np.allclose((plate.height(u, v + e) - plate.height(u, v - e)) / (2 * e), dv, atol=1e-8)
 
 
-@pytest.mark.parametrize("surface", ["waves", "noise", "ridges"])
+@pytest.mark.parametrize("surface", ["waves", "noise", "ridges", "letter"])
 def test_reliefs_have_their_slopes_and_repeat(surface):
     u, v = np.random.default_rng(3).random((2, 1000))
     e, at = 1e-6, lambda u, v: plate.relief(surface, 1.5, u, v)
