@@ -7,7 +7,7 @@
 #   make render    build/shade-render, which renders scenes that Blender saved, without Blender
 #   make release   the add-on for every Linux with glibc 2.28 or later: build/release/libshade-blender.zip
 #   make farm      build/libshade-farm, which spreads frames, tiles and shares over machines
-#   make windows   libshade and the shade tool for Windows: build/release/libshade-VERSION-windows-x64.zip and SHA256SUMS
+#   make windows   library, shade and shade-render for Windows: build/release/*-windows-x64.zip and SHA256SUMS
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make povray-package  it as a package for Debian, beside Debian's own, and as an archive that runs from any folder
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all, by a cluster with ENGINE=slurm

@@ -69,3 +69,4 @@ $(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_READY) $(BLENDER
 	$(Q)/usr/bin/python3 $< $@ $(BLENDER_ADDON) $(BLENDER_ZIPPED) $(call rest_of_manual,$(BLENDER_ADDON))
 
 include blender_addon_c/release.mk
+include blender_addon_c/windows.mk

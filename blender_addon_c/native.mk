@@ -5,15 +5,18 @@ N := blender_addon_c/native
 NATIVE := $(B)/blender/native
 NATIVE_SO := $(NATIVE)/_native.abi3.so
 NATIVE_PYTHON := /usr/bin/python3
+# formats of our own functions are taken for those of Windows' old printf: Linux's compilers look at them
+NATIVE_SYSTEM_CFLAGS := $(if $(TARGET_IS_WINDOWS),-Wno-format -Wno-format-extra-args)
 NATIVE_CFLAGS := -O3 -std=c11 $(DEBUG) -fPIC -fvisibility=hidden -fno-math-errno -fno-trapping-math \
-  -ffp-contract=fast -fopenmp-simd "-ffile-prefix-map=$(CURDIR)=." -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) -I$(N) -I$(L)/include -I$(L)
+  -ffp-contract=fast -fopenmp-simd "-ffile-prefix-map=$(CURDIR)=." -D_POSIX_C_SOURCE=200809L $(SHADE_WARN) $(SYSTEM_CFLAGS) $(NATIVE_SYSTEM_CFLAGS) \
+  -I$(N) -I$(L)/include -I$(L)
 NATIVE_PYTHON_CFLAGS = $(shell $(NATIVE_PYTHON) -c "import sysconfig as s; print('-I' + s.get_path('include'))")
 # isa/<family>.c is compiled for each instruction set
 NATIVE_ISAS := $(ISAS)
 FAMILIES := $(patsubst $(N)/isa/%.c,%,$(filter-out %/choose.c,$(wildcard $(N)/isa/*.c)))
 NATIVE_OBJ := $(foreach isa,$(NATIVE_ISAS),$(FAMILIES:%=$(NATIVE)/obj/isa/$(isa)/%.o)) \
   $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(filter-out $(FAMILIES:%=$(N)/isa/%.c),$(wildcard $(N)/*/*.c)))
-NATIVE_WRAP := $(patsubst %,-Wl$(COMMA)--wrap=%,malloc calloc realloc aligned_alloc posix_memalign strdup free)
+NATIVE_WRAP := $(patsubst %,-Wl$(COMMA)--wrap=%,malloc calloc realloc $(if $(TARGET_IS_WINDOWS),,aligned_alloc posix_memalign) strdup free)
 NATIVE_EXPORTS := $(N)/python/exports.map
 NATIVE_LDFLAGS := -shared -Wl,--version-script=$(NATIVE_EXPORTS) -Wl,-Bsymbolic $(NATIVE_WRAP)
 
@@ -24,19 +27,22 @@ NATIVE_LIBS := $(patsubst %,$(NATIVE)/lib/libshade_%.so,embree tbb openexrcore)
 BLENDER_NATIVE := $(patsubst $(NATIVE)/%,$(BLENDER_ADDON)/%,$(NATIVE_SO) $(NATIVE_LIBS))
 
 # shade-render: all but Python, scenes from files. Linked with the system's OpenEXRCore and zlib
-RENDER := $(B)/shade-render
+RENDER := $(B)/shade-render$(EXE)
 RENDER_OWN := $(patsubst blender_addon_c/tool/%.c,$(NATIVE)/obj/tool/%.o,$(wildcard blender_addon_c/tool/*.c))
 RENDER_OBJ := $(RENDER_OWN) $(filter-out $(NATIVE)/obj/python/%,$(NATIVE_OBJ)) \
   $(IMAGE_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(O)/tool/work.o $(PORT_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 
 .PHONY: native render native-sanitized native-warnings soak-native soak-damaged
-native: $(NATIVE_SO) $(NATIVE_LIBS) $(NATIVE)/test_stages $(RENDER)
+native: $(NATIVE_SO) $(NATIVE_LIBS) $(NATIVE)/test_stages$(EXE) $(RENDER)
 # for test_native_build.py, which runs the other tests on it
 SANITIZED_BUILD += PLAIN_NATIVE=$(NATIVE) PLAIN_STAGES="$(filter-out $(lastword $(RUN_ISAS)),$(ISAS))"
 native-sanitized: $(B)/shade $(NATIVE_SO)
 	$(Q)$(MAKE) --no-print-directory $(SANITIZED_BUILD) native
 native-warnings: $(NATIVE_OBJ) $(RENDER_OWN)
 	$(Q)$(CC) $(NATIVE_CFLAGS) -fsyntax-only blender_addon_c/tests/test_stages.c
+# for another system: what is compiled once, without Python
+.PHONY: native-read
+native-read: $(filter-out $(NATIVE)/obj/isa/% $(NATIVE)/obj/python/%,$(NATIVE_OBJ)) $(RENDER_OWN)
 ifneq ($(filter check-before-pytest,$(MAKECMDGOALS)),)
 SANITIZED_GOALS += native
 check-sanitized: $(NATIVE_SO)
@@ -70,6 +76,9 @@ fuzz-scene: $(B)/fuzz/scene | $(VENV)/done
 # where the flags are: objects made by others are made again
 NATIVE_FLAGS_IN := blender_addon_c/native.mk libshade/libshade.mk
 $(NATIVE)/obj/python/%.o: NATIVE_FOR = $(NATIVE_PYTHON_CFLAGS)
+# headers of another Embree than the system's
+NATIVE_EMBREE_CFLAGS :=
+$(NATIVE)/obj/scene/accel.o: NATIVE_FOR = $(NATIVE_EMBREE_CFLAGS)
 define NATIVE_COMPILE
 	@mkdir -p $(@D)
 	$(call say,compile  ,$@)
@@ -85,7 +94,7 @@ $(NATIVE)/obj/isa/$(1)/%.o: $(if $(filter $(1),$(PLAIN_STAGES)),$(PLAIN_NATIVE)/
 	$(if $(filter $(1),$(PLAIN_STAGES)),@mkdir -p $$(@D) && cp $$< $$@,$$(NATIVE_COMPILE))
 endef
 $(foreach isa,$(NATIVE_ISAS),$(eval $(call NATIVE_STAGES_OF,$(isa))))
-NATIVE_ARCHIVES := $(B)/libshade_dump.a $(B)/libshade.a
+NATIVE_ARCHIVES := $(O)/port/threads.o $(B)/libshade_dump.a $(B)/libshade.a
 $(NATIVE_SO): $(NATIVE_OBJ) $(NATIVE_ARCHIVES) $(NATIVE_EXPORTS)
 	$(call say,link     ,$@)
 	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $(NATIVE_OBJ) $(NATIVE_ARCHIVES) -lm -lpthread -ldl -o $@
@@ -94,12 +103,12 @@ $(NATIVE)/obj/tool/%.o: blender_addon_c/tool/%.c $(NATIVE_FLAGS_IN)
 	$(NATIVE_COMPILE)
 $(RENDER): $(RENDER_OBJ)
 	$(call say,link     ,$@)
-	$(Q)$(CC) $(NATIVE_WRAP) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -lz -pthread -ldl -lm -o $@
+	$(Q)$(CC) $(NATIVE_WRAP) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -lz -pthread $(SYSTEM_LIBS) -lm -o $@
 # the stages without Python; needs cmocka
-NATIVE_STAGES := $(filter $(NATIVE)/obj/isa/% $(NATIVE)/obj/scene/atmosphere% %/render/sampling.o %/scene/sky.o %/scene/emitters.o %/scene/texture.o %/system/message.o %/system/pages.o %/system/parallel.o,$(NATIVE_OBJ)) $(B)/libshade.a
-$(NATIVE)/test_stages: blender_addon_c/tests/test_stages.c $(NATIVE_STAGES)
+NATIVE_STAGES := $(filter $(NATIVE)/obj/isa/% $(NATIVE)/obj/scene/atmosphere% %/render/sampling.o %/scene/sky.o %/scene/emitters.o %/scene/texture.o %/system/memory.o %/system/message.o %/system/pages.o %/system/parallel.o,$(NATIVE_OBJ)) $(O)/port/threads.o $(B)/libshade.a
+$(NATIVE)/test_stages$(EXE): blender_addon_c/tests/test_stages.c $(NATIVE_STAGES)
 	$(call say,compile  ,$@)
-	$(Q)$(CC) $(NATIVE_CFLAGS) $(CFLAGS) -MMD -MF $(NATIVE)/obj/isa/test_stages.d $< $(NATIVE_STAGES) $(CMOCKA_LIBS) -lm -o $@
+	$(Q)$(CC) $(NATIVE_CFLAGS) $(CFLAGS) -MMD -MF $(NATIVE)/obj/isa/test_stages.d $< $(NATIVE_STAGES) $(NATIVE_WRAP) $(CMOCKA_LIBS) -pthread $(SYSTEM_LIBS) -lm -o $@
 -include $(wildcard $(NATIVE)/obj/*/*.d $(NATIVE)/obj/isa/*/*.d)
 # one that is gone: what has included it is made again
 $(N)/%.h: ;

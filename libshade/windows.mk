@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # `make windows`: libshade and shade for Windows on x86-64, as Debian's mingw-w64 compiles them:
 # build/release/libshade-VERSION-windows-x64.zip. Nothing of theirs is a DLL but libshade itself.
+# The renderer's part is in blender_addon_c/windows.mk.
 # `make check-windows` runs their tests by Wine, or says that there is none.
 W := $(B)/windows
 WINDOWS_CC := x86_64-w64-mingw32-gcc-posix
@@ -43,6 +44,7 @@ WINDOWS_MAKE = $(MAKE) --no-print-directory NEEDS= B=$(W) CC="$(WINDOWS_CC)" AR=
 WINDOWS_DLL := libshade-$(basename $(SHADE_VERSION)).dll
 .PHONY: windows windows-built
 windows: $(WINDOWS_ZIP)
+	$(Q)cd $(<D) && sha256sum *.zip >SHA256SUMS
 windows-built: $(WINDOWS_LIBS)
 	$(Q)+$(WINDOWS_MAKE) $(W)/shade.exe $(W)/$(WINDOWS_DLL)
 
@@ -68,14 +70,14 @@ $(WINDOWS_ZIP): windows-built $(INSTALLED_HEADERS) $(L)/windows.mk $(CMAKE_PACKA
 	    -e 's,@SHARED@,../bin/$(WINDOWS_DLL),' -e 's,@NAMED@,IMPORTED_IMPLIB "$${_libshade_lib}/libshade.dll.a",' \
 	    $(L)/cmake/$$file.in >$(WINDOWS_STAGE)/lib/cmake/libshade/$$file || exit 1; done
 	$(Q)$(PYTHON3) blender_addon_c/package.py $@ $(WINDOWS_STAGE) $$(find $(WINDOWS_STAGE) -type f)
-	$(Q)cd $(@D) && sha256sum *.zip >SHA256SUMS
 
 # All of the library's tests but those of signals and of stacks, which are POSIX's own; then those of programs
 WINDOWS_TESTS := $(filter-out soak stack,$(TESTS:$(B)/test/%=%))
 .PHONY: check-windows soak-machines
-check-windows: $(WINDOWS_ZIP) $(VENV)/done
+check-windows: windows $(VENV)/done
 	$(Q)+$(WINDOWS_MAKE) $(WINDOWS_TESTS:%=$(W)/test/%.exe.run)
-	@$(PY) -m pytest -q $(L)/test/test_windows.py
+	@BOTH=1 $(PY) -m pytest -q $(WINDOWS_PYTEST)
+WINDOWS_PYTEST := $(L)/test/test_windows.py
 # `make soak-machines`: what is made here for other machines, run as they would
 soak-machines: check-windows
 

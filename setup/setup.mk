@@ -44,7 +44,7 @@ NEEDS_check-povray-scenes := build povray test
 NEEDS_lint := lint
 NEEDS_release := build blender release
 NEEDS_windows := build windows
-NEEDS_check-windows := build windows test
+NEEDS_check-windows := build blender windows test
 NEEDS_check-arm64 := build windows arm64
 NEEDS_soak-machines := $(NEEDS_check-windows) arm64
 NEEDS_fuzz := build blender test
@@ -75,7 +75,7 @@ $(S)/demo.stamp: $(VENV)/done
 $(S)/test.stamp: $(VENV)/done $(VENV_BPY)/done
 $(S)/peers.stamp: $(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done
 $(S)/lint.stamp: $(VENV_LINT)/done
-$(S)/windows.stamp: $(B)/windows/debian/done
+$(S)/windows.stamp: $(B)/windows/debian/done $(B)/windows/wheels/done $(RELEASE_SOURCES)/done
 $(S)/release.stamp: $(VENV_RELEASE)/done $(RELEASE_SOURCES)/done
 
 PINS = $<

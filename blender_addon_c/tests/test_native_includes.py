@@ -37,7 +37,7 @@ MAY = {
     "libshade/image": DOORS | PORT,
     "libshade/tool": SOURCE | DOORS | PORT | {"libshade/image", "libshade/reference"},
     "libshade/fuzz": PUBLIC | {"libshade/tool"},
-    "blender_addon_c/native": DOORS,
+    "blender_addon_c/native": DOORS | PORT,
     "blender_addon_c/tool": DOORS | PORT | {"blender_addon_c/native", "libshade/image", "libshade/tool"},
     "povray_patches/glue": DOORS,
     "compare": DOORS,

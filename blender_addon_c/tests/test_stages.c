@@ -18,6 +18,7 @@
 #include "render/state.h"
 #include "render/sampling.h"
 #include "stage/stage.h"
+#include "system/memory.h"
 #include "system/message.h"
 #include "system/pages.h"
 #include "system/parallel.h"
@@ -69,7 +70,7 @@ static void untouched(const void *array, size_t from) {
 }
 
 static int setup(void **state) {
-  b = aligned_alloc(64, sizeof *b);
+  b = memory_aligned(64, sizeof *b);
   assert_non_null(b);
   memset(b, SET, sizeof *b);
   b->input.blurs = false;
@@ -566,7 +567,7 @@ static void one_light_a_lane(void **state) {
     }
   }
   near(below[5], 1, 1e-5);
-  light_samples *alone = aligned_alloc(64, sizeof *alone);
+  light_samples *alone = memory_aligned(64, sizeof *alone);
   assert_non_null(alone);
   memcpy(alone, &b->light, sizeof *alone);
   for (uint32_t k = 0, begin = 0, end = 0; k < USED; k++, begin = end) {
@@ -789,8 +790,8 @@ static void triangles_that_shine(void **state) {
   for (int c = 0; c < 3; c++)
     near(found[c] / DRAWS, wanted[c], 4 * deviation + 2e-3 * wanted[c]);
   /* rays to the same places, drawn with another density: what is left to them */
-  float *weight = aligned_alloc(64, sizeof(lane_f));
-  triangle *triangles = aligned_alloc(128, 3 * sizeof *triangles);
+  float *weight = memory_aligned(64, sizeof(lane_f));
+  triangle *triangles = memory_aligned(128, 3 * sizeof *triangles);
   assert_true(weight && triangles);
   for (uint32_t t = 0; t < 3; t++)
     triangles[t].material = t;

@@ -13,7 +13,6 @@
 #include "system/library.h"
 #include "system/threads.h"
 
-#define OPENEXR_LIBRARY "libshade_openexrcore.so"
 #define OPENEXR_SYSTEM "libOpenEXRCore-3_1.so.30"
 
 static pthread_once_t exr_once = PTHREAD_ONCE_INIT;
@@ -21,7 +20,7 @@ static const struct shade_exr_api *exr;
 static char exr_error[MESSAGE_SIZE];
 
 static void exr_load(void) {
-  void *library = library_open(OPENEXR_LIBRARY, OPENEXR_SYSTEM, exr_error, sizeof exr_error);
+  void *library = library_open("openexrcore", OPENEXR_SYSTEM, exr_error, sizeof exr_error);
   if (library)
     exr = shade_exr_api_load(library_symbol, library, exr_error, sizeof exr_error);
 }

@@ -6,6 +6,7 @@
 
 #include "closure/closure.h"
 #include "node/node.h"
+#include "system/memory.h"
 
 /* What nodes read and write for directions instead of hits, whose own are still in use. */
 struct environment {
@@ -24,7 +25,7 @@ static bool has_shader(const scene *s) {
 bool environment_init(worker *w) {
   if (!has_shader(w->scene))
     return true;
-  w->environment = aligned_alloc(64, (sizeof *w->environment + 63) / 64 * 64);
+  w->environment = memory_aligned(64, sizeof *w->environment);
   if (!w->environment)
     return false;
   memset(w->environment, 0, sizeof *w->environment);

@@ -7,9 +7,10 @@
 #include "node/node.h"
 #include "render/motion.h"
 #include "render/occlusion.h"
+#include "system/memory.h"
 
 bool batch_init(worker *w) {
-  w->batch = aligned_alloc(64, sizeof *w->batch);
+  w->batch = memory_aligned(64, sizeof *w->batch);
   if (!w->batch)
     return false;
   w->batch->queue.tally = NULL;

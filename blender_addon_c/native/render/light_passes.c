@@ -8,6 +8,7 @@
 #include "closure/closure.h"
 #include "render/closures.h"
 #include "render/environment.h"
+#include "system/memory.h"
 
 enum { LIGHT_KINDS = BOUNCE_TRANSPARENT };          /* the first of bounce_kind */
 enum { KIND_BY_SIDE = LIGHT_KINDS, KINDS_SEVERAL }; /* glossy or through; not the same for all */
@@ -28,7 +29,7 @@ typedef struct light_passes {
 bool light_passes_init(worker *w) {
   if (!w->mattes && !(w->planes && w->planes->wanted & PLANES_LIGHT_MASK))
     return true;
-  w->light = aligned_alloc(64, sizeof *w->light);
+  w->light = memory_aligned(64, sizeof *w->light);
   return w->light != NULL;
 }
 

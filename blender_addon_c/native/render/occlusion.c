@@ -8,6 +8,7 @@
 #include "batch/leaf.h"
 #include "scene/accel.h"
 #include "stage/stage.h"
+#include "system/memory.h"
 
 enum { OTHERS = 64 }; /* surfaces of other objects that a local ray goes through */
 
@@ -17,7 +18,7 @@ bool occlusion_init(batch *b, const scene *s) {
   b->input.around = NULL;
   if (!s->features.occlusion)
     return true;
-  b->occlusion = aligned_alloc(64, (sizeof *b->occlusion + 63) / 64 * 64);
+  b->occlusion = memory_aligned(64, sizeof *b->occlusion);
   if (!b->occlusion)
     return false;
   memset(b->occlusion, 0, sizeof *b->occlusion);

@@ -8,6 +8,7 @@
 #include "render/hits.h"
 #include "render/motion.h"
 #include "render/plane.h"
+#include "system/memory.h"
 
 struct through {
   worker inner; /* at surfaces on the way, whose rays are the shadow rays that are stopped */
@@ -15,7 +16,7 @@ struct through {
 };
 
 through *through_create(const worker *w) {
-  through *t = aligned_alloc(64, (sizeof *t + 63) / 64 * 64);
+  through *t = memory_aligned(64, sizeof *t);
   if (!t)
     return NULL;
   t->inner = (worker){.scene = w->scene, .sampling = w->sampling, .cancel = w->cancel};

@@ -15,8 +15,6 @@
 #include "system/memory.h"
 #include "system/threads.h"
 
-#define EMBREE_LIBRARY "libshade_embree.so"
-
 /* Embree 4 has no streams, asks a ray's mask always and gives geometries one of a single bit. */
 #if RTC_VERSION_MAJOR >= 4
 #define EMBREE_SYSTEM "libembree4.so.4"
@@ -88,7 +86,7 @@ static bool version_fits(long long version) {
 }
 
 static void embree_load(void) {
-  void *library = library_open(EMBREE_LIBRARY, EMBREE_SYSTEM, embree.error, sizeof embree.error);
+  void *library = library_open("embree", EMBREE_SYSTEM, embree.error, sizeof embree.error);
   if (!library)
     return;
     /* POSIX gives functions as void *, C11 has no conversion: copy the bits. */
@@ -96,7 +94,7 @@ static void embree_load(void) {
   {                                                                                                \
     void *symbol = library_symbol(library, #name);                                                 \
     if (!symbol)                                                                                   \
-      snprintf(embree.error, sizeof embree.error, EMBREE_LIBRARY " has no " #name);                \
+      snprintf(embree.error, sizeof embree.error, "Embree has no " #name);                         \
     memcpy(&embree.name, &symbol, sizeof symbol);                                                  \
   }
   EMBREE_FUNCTIONS(LOAD)

@@ -90,7 +90,8 @@ static void write_texel(const texel *t, int points, float *tilt, float *yarns, f
 }
 
 bool cloth_picture(const cloth *c, int width, int height, float *tilt, float *yarns, float *tint) {
-  const int side = (long)width * height <= 1L << 18 ? 3 : (long)width * height <= 1L << 20 ? 2 : 1;
+  const int64_t texels = (int64_t)width * height;
+  const int side = texels <= 1 << 18 ? 3 : texels <= 1 << 20 ? 2 : 1;
   shade_draft *own;
   const shade_draft *d;
   shade_weave *w = even_weave(c, &d, &own);

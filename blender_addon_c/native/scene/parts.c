@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "shade/mesh.h"
+#include "system/memory.h"
 #include "system/parallel.h"
 
 enum { LARGE = 50000 }; /* triangles of a mesh that all threads work at together */
@@ -19,11 +20,11 @@ typedef struct preparation {
 
 void *scene_array(message_log *log, size_t count, size_t size) {
   void *memory = NULL;
-  if (count < SIZE_MAX / size - 1 &&
-      posix_memalign(&memory, 128, (count ? count : 1) * size + 16) == 0)
-    return memory; /* 16 more: Embree reads a vertex as four floats */
-  message_error(log, "out of memory");
-  return NULL;
+  if (count < SIZE_MAX / size - 1) /* 16 more: Embree reads a vertex as four floats */
+    memory = memory_aligned(128, (count ? count : 1) * size + 16);
+  if (!memory)
+    message_error(log, "out of memory");
+  return memory;
 }
 
 bool parts_usable(const float *p) {

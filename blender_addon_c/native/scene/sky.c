@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "batch/leaf.h"
+#include "system/memory.h"
 #include "system/parallel.h"
 
 enum { ROWS_PER_TASK = 16, TASK_LANES = BATCH };
@@ -127,8 +128,8 @@ static void place_sun(sky *s) {
 static void fill_row(void *context, size_t line) {
   sky_task *t = context;
   const sky *s = t->sky;
-  lane_v *d = aligned_alloc(64, sizeof *d);
-  lane_c *c = aligned_alloc(64, sizeof *c);
+  lane_v *d = memory_aligned(64, sizeof *d);
+  lane_c *c = memory_aligned(64, sizeof *c);
   float *out = s->density + line * SKY_COLUMNS;
   if (!d || !c)
     atomic_store(&t->failed, true);

@@ -7,6 +7,12 @@
 #ifndef LIBSHADE_MEMORY_H
 #define LIBSHADE_MEMORY_H
 
+#include <stddef.h>
+
+/* `size` bytes that begin at a multiple of `alignment`, a power of two from 16 on; NULL when out of
+ * memory. free() is for it, too. */
+void *memory_aligned(size_t alignment, size_t size);
+
 /* Bytes more, or fewer. Any thread. */
 void memory_add(long long bytes);
 

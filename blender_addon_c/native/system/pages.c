@@ -2,6 +2,28 @@
 #define _GNU_SOURCE /* madvise, fstatfs */
 #include "system/pages.h"
 
+#ifdef _WIN32
+
+/* Windows gives all memory a place in its own file. */
+void *pages_new(size_t bytes) {
+  (void)bytes;
+  return NULL;
+}
+
+void pages_leave(void *block, size_t bytes) {
+  (void)block, (void)bytes;
+}
+
+size_t pages_resident(void) {
+  return 0;
+}
+
+void pages_free(void *block, size_t bytes) {
+  (void)block, (void)bytes;
+}
+
+#else
+
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -58,3 +80,5 @@ size_t pages_resident(void) {
 void pages_free(void *block, size_t bytes) {
   munmap(block, bytes);
 }
+
+#endif

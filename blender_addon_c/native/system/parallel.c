@@ -2,14 +2,13 @@
 #define _GNU_SOURCE /* sched_getaffinity */
 #include "system/parallel.h"
 
-#include <pthread.h>
-#include <sched.h>
 #include <stdatomic.h>
 #include <stdint.h>
-#include <time.h>
 #if defined(__SSE2__)
 #include <xmmintrin.h>
 #endif
+
+#include "port/threads.h"
 
 enum { MAX_THREADS = 256 };
 
@@ -55,6 +54,21 @@ void parallel_for(int threads, size_t count, void (*work)(void *context, size_t 
     pthread_join(helper[--helpers], NULL);
 }
 
+#ifdef _WIN32
+
+#include "port/wide.h"
+
+int parallel_cores(void) {
+  DWORD_PTR own, all;
+  if (GetProcessAffinityMask(GetCurrentProcess(), &own, &all) && own)
+    return __builtin_popcountll(own);
+  return (int)GetActiveProcessorCount(ALL_PROCESSOR_GROUPS); /* in several groups it has no mask */
+}
+
+#else
+
+#include <sched.h>
+
 int parallel_cores(void) {
   cpu_set_t set;
   if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
@@ -62,8 +76,8 @@ int parallel_cores(void) {
   return 1;
 }
 
+#endif
+
 double parallel_clock(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+  return shade_port_seconds();
 }

@@ -5,9 +5,27 @@
 #include <sched.h>
 #include <time.h>
 
+#include "port/threads.h"
+#include "system/parallel.h"
+
 void threads_yield(void) {
   sched_yield();
 }
+
+#ifdef _WIN32
+
+/* winpthreads waits by the clock that tells the time of day: for what is left of the other. */
+void threads_condition(pthread_cond_t *changed) {
+  pthread_cond_init(changed, NULL);
+}
+
+bool threads_wait(pthread_cond_t *changed, pthread_mutex_t *lock, double until) {
+  const double left = until - parallel_clock();
+  shade_port_wait(changed, lock, left > 0 ? left : 0);
+  return parallel_clock() < until;
+}
+
+#else
 
 void threads_condition(pthread_cond_t *changed) {
   pthread_condattr_t steady;
@@ -22,3 +40,5 @@ bool threads_wait(pthread_cond_t *changed, pthread_mutex_t *lock, double until) 
   const struct timespec end = {.tv_sec = whole, .tv_nsec = (long)((until - (double)whole) * 1e9)};
   return pthread_cond_timedwait(changed, lock, &end) != ETIMEDOUT;
 }
+
+#endif

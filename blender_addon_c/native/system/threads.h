@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* POSIX threads, and what is no part of C of them. */
+/* POSIX threads, which Windows has by winpthreads, and what differs. */
 #ifndef LIBSHADE_THREADS_H
 #define LIBSHADE_THREADS_H
 

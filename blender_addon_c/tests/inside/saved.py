@@ -13,6 +13,7 @@ import common
 
 folder, script, *given = common.arguments()
 sys.dont_write_bytecode = True  # beside an example
+common.enable()
 
 
 @bpy.app.handlers.persistent
