@@ -20,10 +20,15 @@ _SPEC.loader.exec_module(scene_file)
 
 
 def run(*words, seconds=60, tool=TOOL):
-    """ASan gives no memory for what no machine has, as the C library does."""
+    """ASan gives no memory for what no machine has, as the C library does. What looks for leaks may fall over a thread that ends
+    meanwhile, on a busy machine: a fault of its own, which is asked again."""
     given = {name: value for name, value in os.environ.items() if not name.startswith("LIBSHADE_")}
     given |= {"ASAN_OPTIONS": "allocator_may_return_null=1", "UBSAN_OPTIONS": "print_stacktrace=1"}
-    return subprocess.run([tool, *map(str, words)], env=given, capture_output=True, text=True, errors="replace", timeout=seconds)
+    for _again in range(2):
+        done = subprocess.run([tool, *map(str, words)], env=given, capture_output=True, text=True, errors="replace", timeout=seconds)
+        if "LeakSanitizer has encountered a fatal error" not in done.stderr:
+            break
+    return done
 
 
 def made(folder, path, *words):
