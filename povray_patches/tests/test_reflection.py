@@ -2,13 +2,14 @@
 """`reflection { }`: what a lobe gathers of the scene, against integrals of Ashikhmin and Shirley's formula."""
 import functools
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from scenes import dot, normalise
 
-COST = 14.5
+COST = 14.6
 
 EX, EY = 60.0, 9.0
 EYE = normalise(np.array([0.3, 0.8, -0.5]))  # from the plate
@@ -251,6 +252,21 @@ def test_rays_of_pixels_beside_each_other_are_elsewhere(render, samples):
     """Were pixels independent, nine of them would have a ninth of the variance."""
     one, nine = noise(render(scene(f"reflection {{ samples {samples} }}", FLOOR), (96, 72), dump=False).image)
     assert one > 1e-4 and nine < 0.8 / 9 * one
+
+
+def test_shifts_of_pixels_are_even_and_far_apart():
+    """Each multiple of the powers of the root of x^3 = x + 1 once, in 256ths; those of pixels beside each other farther apart than by chance."""
+    text = (Path(__file__).resolve().parents[1] / "glue/dither.h").read_text(encoding="utf-8")
+    pairs = np.array(re.findall(r"{(\d+),(\d+)}", text), int)
+    root = np.roots([1, 0, -1, -1]).real.max()
+    wanted = np.floor((.5 + np.arange(64 * 64)[:, None] * root ** [-1., -2.]) % 1 * 256).astype(int)
+    assert sorted(map(tuple, pairs)) == sorted(map(tuple, wanted))
+    tile = pairs.reshape(64, 64, 2)
+    def apart(down, right):
+        step = np.abs(tile - np.roll(tile, (down, right), (0, 1))) / 256
+        return np.linalg.norm(np.minimum(step, 1 - step), axis=-1)
+    assert min(apart(0, 1).mean(), apart(1, 0).mean(), apart(1, 1).mean()) > 1.08 * .3826 and min(apart(0, 1).min(), apart(1, 0).min()) > .14
+    assert apart(0, 9).mean() == pytest.approx(.3826, rel=.02)  # by chance: (sqrt 2 + asinh 1) / 6
 
 
 def test_rays_of_a_focal_blur_are_laid_out_together(render):
