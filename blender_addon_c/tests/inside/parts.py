@@ -839,6 +839,47 @@ def test_what_the_module_is_told():
         del os.environ["LIBSHADE_DUMP"]
 
 
+def test_materials_of_the_comparison():
+    """Each is made of nodes that this Blender has, all of which lead to what is shown, and is read without a word; its images are packed, and
+    what is no colour is read as numbers."""
+    sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), *[os.pardir] * 3, "compare"))
+    import materials_list
+    import materials_make
+    scene = common.empty_scene(8, 8)
+    common.camera(scene, (0, 0, 5))
+    builders, made = materials_list.BUILDERS | materials_list.STRANDS, []
+    assert len(materials_list.BUILDERS) > 55 and len(materials_list.STRANDS) == 5 and {name[:5] for name in materials_list.STRANDS} == {"hair_"}
+    for name, build in builders.items():
+        maker = materials_make.Maker(name)
+        maker.surface(build(maker))
+        made.append(bpy.data.materials[name])
+        tree = made[-1].node_tree
+        seen, left = set(), [maker.end.node]
+        while left:
+            node = left.pop()
+            if node.name not in seen:
+                seen.add(node.name)
+                left += [link.from_node for link in tree.links if link.to_node == node]
+        # what an older one's shaders have no socket for leads nowhere
+        assert bpy.app.version < (5, 0) or seen == {node.name for node in tree.nodes}, (name, {node.name for node in tree.nodes} - seen)
+        assert maker.end.node.inputs["Surface"].is_linked and made[-1].use_fake_user
+    for image in [image for image in bpy.data.images if image.name.split(".")[0] in builders]:
+        used = [link.to_socket for material in made for link in material.node_tree.links if getattr(link.from_node, "image", None) == image]
+        colours = any(socket.name in ("Base Color", "Color") and socket.node.type != "NORMAL_MAP" for socket in used)
+        assert image.packed_file and used and (image.colorspace_settings.name == "sRGB") == colours, (image.name, [socket.name for socket in used])
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=len(made), y_subdivisions=1)
+    mesh = bpy.context.object.data
+    for material, polygon in zip(made, mesh.polygons):
+        mesh.materials.append(material)
+        polygon.material_index = len(mesh.materials) - 1
+    scene.collection.objects.link(bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN")))
+    messages = module("export").Messages()
+    with replaced(module("export"), Messages=lambda: messages):
+        scene_told, _ = of_engine(scene, False)
+    assert not messages.errors and not messages.warnings, (list(messages.errors), list(messages.warnings))
+    assert {material["name"] for material in scene_told["materials"]} >= set(builders)
+
+
 def test_messages_are_told_once():
     """Of two eyes, too; and all of them are kept for the panel."""
     engine, report, scene = module("engine"), module("report"), common.empty_scene()
