@@ -22,9 +22,10 @@ $(ARM64)/lib/libcmocka.a: $(WINDOWS_SOURCES)/done $(W)/lib/libcmocka.a
 	  -DHAVE_MALLOC_H=1 -DHAVE_SIGNAL_H=1 -DHAVE_STRINGS_H=1 -DHAVE_GCC_THREAD_LOCAL_STORAGE=1 -DHAVE_SIGLONGJMP=1 -D_GNU_SOURCE \
 	  -c $(WINDOWS_SOURCES)/cmocka-*/src/cmocka.c -o $(@D)/cmocka.o && aarch64-linux-gnu-ar rcsD $@ $(@D)/cmocka.o
 .PHONY: check-arm64
-check-arm64: $(ARM64)/lib/libcmocka.a $(ARM64_LIBRARIES)/done
+check-arm64: $(ARM64)/lib/libcmocka.a $(ARM64_LIBRARIES)/done blender $(RENDER)
 	$(Q)+$(ARM64_MAKE) $(ARM64)/shade $(ARM64_TESTS:%=$(ARM64)/test/%.run)
 	$(Q)+$(ARM64_MAKE) $(ARM64)/shade-render $(ARM64)/blender/native/test_stages
 	$(Q)$(ARM64_RUN) $(ARM64)/blender/native/test_stages
+	@BOTH=1 $(PY) -m pytest -q blender_addon_c/tests/test_arm64_render.py
 	$(Q)$(ARM64_RUN) $(ARM64)/shade --version | grep -q neon
 soak-machines: check-arm64

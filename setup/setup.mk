@@ -45,7 +45,7 @@ NEEDS_lint := lint
 NEEDS_release := build blender release
 NEEDS_windows := build windows
 NEEDS_check-windows := build blender windows test
-NEEDS_check-arm64 := build windows arm64
+NEEDS_check-arm64 := build blender windows arm64 test
 NEEDS_soak-machines := $(NEEDS_check-windows) arm64
 NEEDS_fuzz := build blender test
 # what make must find when it starts; the rest is fetched and unpacked while these are compiled
