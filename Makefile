@@ -7,7 +7,7 @@
 #   make render    build/shade-render, which renders scenes that Blender saved, without Blender
 #   make release   the add-on for every Linux with glibc 2.28 or later: build/release/libshade-blender.zip
 #   make farm      build/libshade-farm, which spreads frames, tiles and shares over machines
-#   make windows   library, shade and shade-render for Windows: build/release/*-windows-x64.zip and SHA256SUMS
+#   make windows   library, shade, shade-render and the add-on for Windows: build/release/*-windows-x64.zip and SHA256SUMS
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make povray-package  it as a package for Debian, beside Debian's own, and as an archive that runs from any folder
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all, by a cluster with ENGINE=slurm
@@ -59,7 +59,7 @@ check:
 check-before-pytest: povray setup-test setup-demo all blender native $(MEASURED) lint $(CHECKS)
 ifneq ($(filter check-before-pytest,$(MAKECMDGOALS)),)
 lint: | $(S)/lint.packages
-$(NATIVE)/test_stages $(TESTS) $(CHECKS): | $(S)/test.packages
+$(NATIVE)/test_stages $(NATIVE)/test_system $(TESTS) $(CHECKS): | $(S)/test.packages
 # SMOKE=1: the zip of `make release`, too, for its tests, and a Debian 13 for Blender 5.2; where these can't be had tests say so
 ifneq ($(SMOKE),)
 check-before-pytest: release-fetched debian13 smoke

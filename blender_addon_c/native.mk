@@ -3,7 +3,7 @@
 # OpenEXRCore beside it. Needs python3-dev, libembree-dev, libopenexr-dev, patchelf.
 N := blender_addon_c/native
 NATIVE := $(B)/blender/native
-NATIVE_SO := $(NATIVE)/_native.abi3.so
+NATIVE_SO := $(NATIVE)/_native$(if $(TARGET_IS_WINDOWS),.pyd,.abi3.so)
 NATIVE_PYTHON := /usr/bin/python3
 # formats of our own functions are taken for those of Windows' old printf: Linux's compilers look at them
 NATIVE_SYSTEM_CFLAGS := $(if $(TARGET_IS_WINDOWS),-Wno-format -Wno-format-extra-args)
@@ -18,7 +18,9 @@ NATIVE_OBJ := $(foreach isa,$(NATIVE_ISAS),$(FAMILIES:%=$(NATIVE)/obj/isa/$(isa)
   $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(filter-out $(FAMILIES:%=$(N)/isa/%.c),$(wildcard $(N)/*/*.c)))
 NATIVE_WRAP := $(patsubst %,-Wl$(COMMA)--wrap=%,malloc calloc realloc $(if $(TARGET_IS_WINDOWS),,aligned_alloc posix_memalign) strdup free)
 NATIVE_EXPORTS := $(N)/python/exports.map
-NATIVE_LDFLAGS := -shared -Wl,--version-script=$(NATIVE_EXPORTS) -Wl,-Bsymbolic $(NATIVE_WRAP)
+NATIVE_LDFLAGS := -shared $(if $(TARGET_IS_WINDOWS),,-Wl$(COMMA)--version-script=$(NATIVE_EXPORTS) -Wl$(COMMA)-Bsymbolic) $(NATIVE_WRAP)
+# where a module has to name what it takes its Python from (windows.mk)
+NATIVE_PYTHON_LIBS :=
 
 # What the module opens at run time, under names of our own: Blender has a TBB too, and the loader gives the first
 # library of a name to all who ask for that name. Embree as its header: scene/accel.c
@@ -33,13 +35,13 @@ RENDER_OBJ := $(RENDER_OWN) $(filter-out $(NATIVE)/obj/python/%,$(NATIVE_OBJ)) \
   $(IMAGE_OBJ) $(O)/tool/json.o $(O)/tool/parse.o $(O)/tool/work.o $(PORT_OBJ) $(B)/libshade_dump.a $(B)/libshade.a
 
 .PHONY: native render native-sanitized native-warnings soak-native soak-damaged
-native: $(NATIVE_SO) $(NATIVE_LIBS) $(NATIVE)/test_stages$(EXE) $(RENDER)
+native: $(NATIVE_SO) $(NATIVE_LIBS) $(NATIVE)/test_stages$(EXE) $(NATIVE)/test_system$(EXE) $(RENDER)
 # for test_native_build.py, which runs the other tests on it
 SANITIZED_BUILD += PLAIN_NATIVE=$(NATIVE) PLAIN_STAGES="$(filter-out $(lastword $(RUN_ISAS)),$(ISAS))"
 native-sanitized: $(B)/shade $(NATIVE_SO)
 	$(Q)$(MAKE) --no-print-directory $(SANITIZED_BUILD) native
 native-warnings: $(NATIVE_OBJ) $(RENDER_OWN)
-	$(Q)$(CC) $(NATIVE_CFLAGS) -fsyntax-only blender_addon_c/tests/test_stages.c
+	$(Q)$(CC) $(NATIVE_CFLAGS) -fsyntax-only blender_addon_c/tests/test_stages.c blender_addon_c/tests/test_system.c
 # for another system: what is compiled once, without Python
 .PHONY: native-read
 native-read: $(filter-out $(NATIVE)/obj/isa/% $(NATIVE)/obj/python/%,$(NATIVE_OBJ)) $(RENDER_OWN)
@@ -97,7 +99,7 @@ $(foreach isa,$(NATIVE_ISAS),$(eval $(call NATIVE_STAGES_OF,$(isa))))
 NATIVE_ARCHIVES := $(O)/port/threads.o $(B)/libshade_dump.a $(B)/libshade.a
 $(NATIVE_SO): $(NATIVE_OBJ) $(NATIVE_ARCHIVES) $(NATIVE_EXPORTS)
 	$(call say,link     ,$@)
-	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $(NATIVE_OBJ) $(NATIVE_ARCHIVES) -lm -lpthread -ldl -o $@
+	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $(NATIVE_OBJ) $(NATIVE_ARCHIVES) $(NATIVE_PYTHON_LIBS) -lm -lpthread $(SYSTEM_LIBS) -o $@
 render: $(RENDER)
 $(NATIVE)/obj/tool/%.o: blender_addon_c/tool/%.c $(NATIVE_FLAGS_IN)
 	$(NATIVE_COMPILE)
@@ -109,6 +111,11 @@ NATIVE_STAGES := $(filter $(NATIVE)/obj/isa/% $(NATIVE)/obj/scene/atmosphere% %/
 $(NATIVE)/test_stages$(EXE): blender_addon_c/tests/test_stages.c $(NATIVE_STAGES)
 	$(call say,compile  ,$@)
 	$(Q)$(CC) $(NATIVE_CFLAGS) $(CFLAGS) -MMD -MF $(NATIVE)/obj/isa/test_stages.d $< $(NATIVE_STAGES) $(NATIVE_WRAP) $(CMOCKA_LIBS) -pthread $(SYSTEM_LIBS) -lm -o $@
+# the door to the system; needs cmocka
+NATIVE_DOOR := $(filter $(NATIVE)/obj/system/%,$(NATIVE_OBJ)) $(O)/port/threads.o
+$(NATIVE)/test_system$(EXE): blender_addon_c/tests/test_system.c $(NATIVE_DOOR)
+	$(call say,compile  ,$@)
+	$(Q)$(CC) $(NATIVE_CFLAGS) $(CFLAGS) -MMD -MF $(NATIVE)/obj/system/test_system.d $< $(NATIVE_DOOR) $(NATIVE_WRAP) $(CMOCKA_LIBS) -pthread $(SYSTEM_LIBS) -lm -o $@
 -include $(wildcard $(NATIVE)/obj/*/*.d $(NATIVE)/obj/isa/*/*.d)
 # one that is gone: what has included it is made again
 $(N)/%.h: ;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The renderer's part of `make windows` (libshade/windows.mk): build/release/shade-render-VERSION-windows-x64.zip. Embree, its
-# TBB and the C++ runtime that both need are those of wheels, under names that nothing else in a process has.
+# The renderer's part of `make windows` (libshade/windows.mk): build/release/shade-render-VERSION-windows-x64.zip, and the add-on,
+# libshade-blender-VERSION-windows-x64.zip. Embree, its TBB and the C++ runtime that both need are those of wheels, under names
+# that nothing else in a process has.
 WINDOWS_WHEELS := $(W)/wheels
 $(WINDOWS_WHEELS)/done: setup/requirements-windows.txt $(VENV)/done
 	@echo "setup: Embree for Windows into $(@D)"
@@ -47,6 +48,38 @@ $(WINDOWS_RENDER_ZIP): windows-render-built blender_addon_c/windows.mk
 	$(Q)cp LICENSES/Apache-2.0.txt $(WINDOWS_RENDER_STAGE)/licences/libtbb.txt
 	$(Q)$(PYTHON3) blender_addon_c/package.py $@ $(WINDOWS_RENDER_STAGE) $$(find $(WINDOWS_RENDER_STAGE) -type f)
 
+# The add-on. Python's headers are the system's, but for what they ask of Windows; what the module takes of Python it takes by
+# name from python3.dll, which each of its versions has
+WINDOWS_PYTHON_OBJ := $(patsubst $(N)/%.c,$(W)/blender/native/obj/%.o,$(wildcard $(N)/python/*.c))
+WINDOWS_MAKE += NATIVE_PYTHON_CFLAGS="-isystem $(W)/python" NATIVE_PYTHON_LIBS="-L$(W)/lib -lpython3"
+$(W)/python/pyconfig.h: blender_addon_c/windows_pyconfig.h | $(S)/blender.packages
+	$(Q)rm -rf $(@D) && mkdir -p $(W)
+	$(Q)cp -rL "$$($(NATIVE_PYTHON) -c "import sysconfig as s; print(s.get_path('include'))")" $(@D)
+	$(Q)cp $< $@
+$(W)/lib/libshade_openexrcore.dll: $(W)/lib/libOpenEXRCore.a
+	$(call say,link     ,$@)
+	$(Q)$(WINDOWS_CC) -shared -static -s -Wl,--no-insert-timestamp -Wl,--whole-archive $< -Wl,--no-whole-archive -lz -o $@
+WINDOWS_ADDON := $(W)/addon/libshade
+WINDOWS_ADDON_ZIP := $(B)/release/libshade-blender-$(SHADE_VERSION)-windows-x64.zip
+.PHONY: windows-addon-built
+windows: $(WINDOWS_ADDON_ZIP)
+windows-addon-built: windows-render-built $(W)/python/pyconfig.h
+	$(Q)+$(WINDOWS_MAKE) $(WINDOWS_PYTHON_OBJ)
+	@{ echo "LIBRARY python3.dll"; echo EXPORTS; x86_64-w64-mingw32-nm -u $(WINDOWS_PYTHON_OBJ) | \
+	  sed -n 's/^ *U __imp_\(_*Py.*\)/  \1/p' | LC_ALL=C sort -u; } >$(W)/lib/python3.def.part
+	@cmp -s $(W)/lib/python3.def.part $(W)/lib/python3.def || { mv $(W)/lib/python3.def.part $(W)/lib/python3.def && \
+	  x86_64-w64-mingw32-dlltool -d $(W)/lib/python3.def -l $(W)/lib/libpython3.a; }
+	$(Q)+$(WINDOWS_MAKE) $(W)/blender/native/_native.pyd
+$(WINDOWS_ADDON_ZIP): windows-addon-built $(W)/lib/libshade_openexrcore.dll $(BLENDER_ZIPPED) blender_addon_c/windows.mk
+	$(call say,zip      ,$@)
+	$(Q)rm -rf $(WINDOWS_ADDON) && mkdir -p $(@D) $(WINDOWS_ADDON)/lib
+	$(Q)cd $(BLENDER_ADDON) && cp --parents -r $(patsubst $(BLENDER_ADDON)/%,%,$(filter-out $(BLENDER_NATIVE) $(BLENDER_MANUAL),$(BLENDER_ZIPPED))) \
+	  manual $(abspath $(WINDOWS_ADDON))
+	$(Q)cp $(W)/blender/native/_native.pyd $(WINDOWS_ADDON)
+	$(Q)cp $(WINDOWS_RUNTIME) $(W)/lib/libshade_openexrcore.dll $(WINDOWS_ADDON)/lib
+	$(Q)sed -i 's/^platforms = .*/platforms = ["windows-x64"]/' $(WINDOWS_ADDON)/blender_manifest.toml
+	$(Q)$(PYTHON3) blender_addon_c/package.py $@ $(WINDOWS_ADDON) $$(find $(WINDOWS_ADDON) -type f)
+
 # beside Linux's own, and scenes that Blender saves
 .PHONY: check-windows-stages
 check-windows: check-windows-stages blender $(RENDER)
@@ -59,6 +92,11 @@ WINDOWS_PYTEST += blender_addon_c/tests/test_windows_render.py
 ifneq ($(and $(WINDOWS_HERE),$(wildcard $(RELEASE_SOURCES)/done)),)
 .PHONY: check-door-render
 check-door-here: check-door-render
-check-door-render:
+check-door-render: $(W)/system.exe
+	$(Q)$(WINE_RUN) $< 2>&1
 	$(Q)+$(WINDOWS_MAKE) B=$(B)/windows-warnings CFLAGS=-fsyntax-only native-read
 endif
+$(W)/system.exe: blender_addon_c/tests/test_system.c $(wildcard $(N)/system/*.[ch]) $(L)/port/threads.c $(W)/lib/libcmocka.a
+	$(call say,compile  ,$@)
+	$(Q)$(WINDOWS_CC) -O1 -std=c11 -Wall -Wextra -Wconversion -Wno-format $(WERROR) -D_POSIX_C_SOURCE=200809L -D__USE_MINGW_ANSI_STDIO=1 \
+	  -I$(W)/include -I$(N) -I$(L) $(filter %.c,$^) $(NATIVE_WRAP) -L$(W)/lib -lcmocka -pthread -static -o $@

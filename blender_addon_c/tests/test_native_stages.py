@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The stages one by one: test_stages.c, beside the module."""
+"""The stages one by one, and the door to the system: test_stages.c and test_system.c, beside the module."""
 
 import subprocess
+
+import pytest
 
 from native_scenes import MODULE
 
 COST = 3.6
 
 
-def test_stages():
-    program = MODULE.parent / "test_stages"
+@pytest.mark.parametrize("name", ["test_stages", "test_system"])
+def test_programs(name):
+    program = MODULE.parent / name
     assert program.exists(), f"{program} is missing: run `make native`"
     done = subprocess.run([program], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

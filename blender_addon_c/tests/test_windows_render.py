@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """shade-render of `make windows`, run by Wine: the pictures of Linux's, names, long paths, damaged scenes, what stands in the way,
-what its files need. Skipped where it is not built: `make check-windows` and `make soak-machines` build it."""
+what its files need; the add-on's files, which no Blender runs here. Skipped where these are not built: `make check-windows` and
+`make soak-machines` build them."""
 
 import json
 import os
@@ -17,7 +18,8 @@ import OpenImageIO as oiio
 import pytest
 
 import damaged
-from blender_runs import BUILD, ROOT
+from blender_runs import BPY, BUILD, ROOT
+from blender_runs import ZIP as LINUX
 from native_scenes import scene
 from shade_render import COMBINED, assert_same, channels, made, run, scene_file
 
@@ -32,6 +34,7 @@ VERSION = re.search(r'SHADE_VERSION "(.*)"', (ROOT / "libshade/include/shade/sha
 ZIP = BUILD / f"release/shade-render-{VERSION}-windows-x64.zip"
 WINE = "/usr/lib/wine/wine64"
 ENVIRONMENT = {"WINEPREFIX": str(BUILD / "windows/wine"), "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml,winemenubuilder.exe="}
+ADDON = BUILD / f"release/libshade-blender-{VERSION}-windows-x64.zip"
 pytestmark = pytest.mark.skipif(not (ZIP.exists() and os.path.exists(WINE)), reason="needs Wine and what make windows builds: make check-windows")
 # of Windows itself, since its version 10
 SYSTEM = re.compile(r"(kernel32|advapi32|shell32|msvcrt|api-ms-win-crt-[\w-]+)\.dll", re.I)
@@ -199,16 +202,55 @@ def test_a_library_that_is_missing_is_told(unpacked, tmp_path):
     assert done.returncode == 1 and re.search(r"cannot load .*\\lib\\libshade_embree.dll: error \d+ of Windows", done.stderr), done.stderr
 
 
-def needs(path):
-    return {name for name in own_dll.imports(path.read_bytes()) if not SYSTEM.fullmatch(name)}
+RUNTIME = {"libshade_embree.dll": {"shtbb.dll", "shcxx.dll", "vcruntime140.dll"}, "shtbb.dll": {"shcxx.dll", "vcruntime140.dll"},
+           "shcxx.dll": {"vcruntime140.dll", "vcruntime140_1.dll"}, "vcruntime140.dll": set(), "vcruntime140_1.dll": {"vcruntime140.dll"}}
+
+
+def needs(folder):
+    """{program or DLL: what it needs beside Windows}; nothing says where it was made."""
+    files = {path.name: path.read_bytes() for path in folder.rglob("*") if path.suffix in (".exe", ".dll", ".pyd")}
+    assert not [name for name, data in files.items() if str(ROOT).encode() in data]
+    return {name: {other.lower() for other in own_dll.imports(data) if not SYSTEM.fullmatch(other)} for name, data in files.items()}
+
+
+def exports(path):
+    said = subprocess.run(["x86_64-w64-mingw32-objdump", "-p", path], capture_output=True, text=True, check=True).stdout
+    return set(re.findall(r"^\s+\[\s*\d+\].*?(\w+)$", said.split("[Ordinal/Name Pointer] Table")[1], re.M))
 
 
 def test_what_its_files_need(unpacked):
-    """Windows and each other, by names that nothing else in a process has; no folder of where they were made."""
-    files = {path.name: path for path in unpacked.rglob("*") if path.suffix in (".exe", ".dll")}
-    assert {name: {other.lower() for other in needs(path)} for name, path in files.items()} == {
-        "shade-render.exe": set(), "libshade_embree.dll": {"shtbb.dll", "shcxx.dll", "vcruntime140.dll"}, "shtbb.dll": {"shcxx.dll", "vcruntime140.dll"},
-        "shcxx.dll": {"vcruntime140.dll", "vcruntime140_1.dll"}, "vcruntime140.dll": set(), "vcruntime140_1.dll": {"vcruntime140.dll"}}
-    assert str(ROOT).encode() not in files["shade-render.exe"].read_bytes()
+    """Windows and each other, by names that nothing else in a process has."""
+    assert needs(unpacked) == {"shade-render.exe": set(), **RUNTIME}
     with pytest.raises(ValueError, match=r"longer\.dll cannot take the place of tbb12\.dll"):
-        own_dll.rename(files["libshade_embree.dll"].read_bytes(), {"tbb12.dll": "longer.dll"})
+        own_dll.rename((unpacked / "lib/libshade_embree.dll").read_bytes(), {"tbb12.dll": "longer.dll"})
+
+
+@pytest.fixture(scope="module")
+def addon(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("addon")
+    with zipfile.ZipFile(ADDON) as archive:
+        archive.extractall(folder)
+    return folder / "libshade"
+
+
+def test_what_the_addon_needs(addon):
+    """Python of any version, by names that are in its stable ABI: the headers declare no others."""
+    assert needs(addon) == {"_native.pyd": {"python3.dll"}, "libshade_openexrcore.dll": set(), **RUNTIME}
+    assert exports(addon / "_native.pyd") == {"PyInit__native"}
+    asked = set(re.findall(r"FUNCTION\((exr_\w+)\)", (ROOT / "libshade/dump/dump_exr.h").read_text()))
+    assert len(asked) > 10 and asked <= exports(addon / "lib/libshade_openexrcore.dll")
+
+
+def test_blender_finds_the_addon_valid(addon):
+    assert 'platforms = ["windows-x64"]' in (addon / "blender_manifest.toml").read_text()
+    checker, = BPY.parents[1].glob("lib/python*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
+    subprocess.run([BPY, checker, "validate", ADDON], check=True)
+
+
+@pytest.mark.skipif(not ALL, reason="the add-on for Linux may be newer: make check-windows makes both")
+def test_the_addon_is_linuxs_but_for_what_is_compiled():
+    compiled = re.compile(r".*\.(so|dll|pyd)")
+    with zipfile.ZipFile(ADDON) as ours, zipfile.ZipFile(LINUX) as linux:
+        shared = [{name for name in archive.namelist() if not compiled.fullmatch(name)} for archive in (ours, linux)]
+        assert shared[0] == shared[1]
+        assert [name for name in shared[0] if ours.read(name) != linux.read(name)] == ["libshade/blender_manifest.toml"]

@@ -40,7 +40,7 @@ typedef struct library {
 static bool load(library *l, const char *path, char *error, size_t error_size) {
   void *opened = path && *path ? library_open(NULL, path, error, error_size) : NULL;
   if (!opened)
-    opened = library_open(NULL, "libOpenImageDenoise.so.2", error, error_size);
+    opened = library_open(NULL, library_denoiser, error, error_size);
   if (!opened) {
     snprintf(error, error_size, "Open Image Denoise was not found");
     return false;

@@ -381,7 +381,7 @@ static bool read_look(reader *r, void *out, void *context) {
   reader_buffer rays;
   if (looks->number++ == MAX_LOOKS)
     return reader_fail(r, "there are more looks than ways");
-  if (!reader_items(r, "rays", SIZE_MAX, "I", sizeof(uint32_t), &rays))
+  if (!reader_items(r, "rays", SIZE_MAX, "IL", sizeof(uint32_t), &rays))
     return false;
   const uint32_t *ray = rays.data;
   for (size_t k = 0; k < rays.size / sizeof *ray; k++) {

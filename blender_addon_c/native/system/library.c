@@ -11,6 +11,8 @@
 
 #include "port/wide.h"
 
+const char library_denoiser[] = "OpenImageDenoise.dll";
+
 /* Of this module's folder, with \\ at its end. To be freed; NULL where it cannot be told. */
 static wchar_t *own_folder(void) {
   enum { MOST = 32768 };
@@ -68,6 +70,8 @@ void *library_symbol(void *library, const char *name) {
 #else
 
 #include <dlfcn.h>
+
+const char library_denoiser[] = "libOpenImageDenoise.so.2";
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)

@@ -19,6 +19,9 @@
  */
 void *library_open(const char *own, const char *system, char *error, size_t error_size);
 
+/* What the system calls Open Image Denoise of version 2. */
+extern const char library_denoiser[];
+
 /* dlsym with the arguments that shade_exr_api_load expects. */
 void *library_symbol(void *library, const char *name);
 
