@@ -52,6 +52,6 @@ if __name__ == "__main__":
         made = rename(made, dict(word.split("=") for word in sys.argv[3:]))
     except ValueError as wrong:
         sys.exit(f"own_dll.py: {sys.argv[1]}: {wrong}")
-    with open(sys.argv[2] + ".part", "wb") as file:
-        file.write(made)
+    with open(sys.argv[2] + ".part", "wb") as part:
+        part.write(made)
     os.replace(sys.argv[2] + ".part", sys.argv[2])

@@ -241,6 +241,24 @@ def test_what_the_addon_needs(addon):
     assert len(asked) > 10 and asked <= exports(addon / "lib/libshade_openexrcore.dll")
 
 
+def test_the_module_starts(addon, tmp_path, tool):
+    """Without a Python, which it is given as functions that do nothing: what it says of itself comes from its own code."""
+    said = subprocess.run(["x86_64-w64-mingw32-objdump", "-p", addon / "_native.pyd"], capture_output=True, text=True, check=True).stdout
+    names = re.findall(r"\b_?Py\w+", said.split("DLL Name: python3.dll")[1].split("\n\n")[0])
+    assert len(names) > 30
+    through = {"PyModuleDef_Init", "PyUnicode_FromString"}
+    assert through <= set(names)
+    stubs = "".join(f"__declspec(dllexport) void *{name}(void *first) {{ return {'first' if name in through else '0'}; }}\n" for name in names)
+    (tmp_path / "stubs.c").write_text(stubs)
+    for source, program, *flags in ((tmp_path / "stubs.c", "python3.dll", "-shared"), (ROOT / "blender_addon_c/tests/module_host.c", "host.exe")):
+        subprocess.run(["x86_64-w64-mingw32-gcc-posix", "-O1", *flags, source, "-o", tmp_path / program], check=True)
+    host = runner(tmp_path / "run", tmp_path / "host.exe")
+    told = subprocess.run([host, addon / "_native.pyd", "version", "isa"], capture_output=True, text=True, check=False, timeout=60)
+    assert told.returncode == 0, told.stdout + told.stderr
+    version, isa = told.stdout.split()
+    assert run("--version", tool=tool).stdout == f"shade-render {version} ({isa})\n"
+
+
 def test_blender_finds_the_addon_valid(addon):
     assert 'platforms = ["windows-x64"]' in (addon / "blender_manifest.toml").read_text()
     checker, = BPY.parents[1].glob("lib/python*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
