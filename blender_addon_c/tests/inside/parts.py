@@ -366,6 +366,23 @@ LAYER_SETTINGS = {"denoising_store_passes": False, "use_pass_shadow_catcher": Fa
 UNLIKE_CYCLES = {"samples", "preview_samples", "use_adaptive_sampling", "use_denoising", "use_preview_denoising", "pass_debug_sample_count"}
 
 
+# The words beside them, and beside operators in menus and buttons; where a slider ends before its range does
+LABELS = dict(line.strip().split(": ") for line in """samples: Samples; preview_samples: Viewport Samples; seed: Seed; max_bounces: Max Bounces; diffuse_bounces: Diffuse;
+    glossy_bounces: Glossy; transmission_bounces: Transmission; transparent_max_bounces: Transparent; sample_clamp_direct: Clamp Direct; sample_clamp_indirect: Clamp Indirect;
+    light_sampling_threshold: Light Threshold; caustics_reflective: Reflective Caustics; caustics_refractive: Refractive Caustics; blur_glossy: Filter Glossy;
+    texture_blur: Texture Blur; filter_normals: Filter Normal Maps; groove_transport: Grooves Follow Bumps; bumps_mutual: Bumps Shade Each Other; bump_slopes: Bump Slopes;
+    pixel_filter_type: Pixel Filter; filter_width: Width; soft_terminator: Soft Terminator; use_adaptive_sampling: Adaptive Sampling; adaptive_threshold: Noise Threshold;
+    adaptive_min_samples: Min Samples; use_denoising: Denoise; use_preview_denoising: Denoise Viewport; use_animated_seed: Animate Seed; time_limit: Time Limit;
+    denoising_store_passes: Denoising Data; use_pass_shadow_catcher: Shadow Catcher; pass_debug_sample_count: Sample Count""".split(";"))
+SLIDERS, DIGITS = {"samples": 4096, "preview_samples": 256}, {"light_sampling_threshold": 4, "adaptive_threshold": 4}
+KINDS = {"filter_width": ("PIXEL", "NONE"), "time_limit": ("TIME_ABSOLUTE",) * 2}
+OPERATORS = dict(line.strip().split(": ") for line in """add_assets: Add Assets to the Asset Browser; add_groove: Libshade Groove; add_studio_light: Add Studio Light;
+    bake_scratches: Bake to Images; convert_to_group: Convert to Plain Group; copy_cycles_settings: Copy Settings from Cycles; copy_report: Copy Report;
+    follow_bumps: Make Grooves Follow Bumps; import_wif: Import WIF; measure_cloth: Measure for Cycles; measured_metal: Measured Metal; metal_preset: Metal;
+    remove_assets: Remove Assets from the Asset Browser; drop_scratch_images: Remove Images; save_scene: Save Scene for libshade; scratches_preset: Scratches;
+    select_cause: Select; update_nodes: Update Libshade Nodes""".split(";"))
+
+
 def test_defaults_and_ranges_of_settings():
     scene = common.empty_scene()
     for settings, table in ((scene.libshade, SETTINGS), (scene.view_layers[0].libshade, LAYER_SETTINGS)):
@@ -376,7 +393,11 @@ def test_defaults_and_ranges_of_settings():
             p = known[name]
             found = (p.default, p.hard_min, p.hard_max) if isinstance(wanted, tuple) else p.default
             assert np.allclose(found, wanted) if isinstance(wanted, tuple) else found == wanted, (name, found)
-            assert p.name and len(p.description) > 10 and not p.description.endswith("."), name
+            assert p.name == LABELS[name] and len(p.description) > 10 and not p.description.endswith("."), name
+            if isinstance(wanted, tuple):
+                found = (p.soft_min, p.soft_max, p.subtype or p.unit, p.unit)  # of a time it knows no word
+                assert found == (p.hard_min, SLIDERS.get(name, p.hard_max), *KINDS.get(name, ("NONE", "NONE"))), (name, found)
+                assert p.type == "INT" or p.precision == DIGITS.get(name, 2), name
             if name in theirs and name not in UNLIKE_CYCLES:
                 assert theirs[name].default == p.default, name
 
@@ -393,6 +414,9 @@ def test_operators_are_undone():
         operator = getattr(bpy.types, word.replace("libshade.", "LIBSHADE_OT_"))
         assert operator.__doc__, word
         assert ("UNDO" in getattr(operator, "bl_options", ())) == (word not in UNDONE_BY_NOTHING), word
+    assert {word.removeprefix("libshade."): getattr(bpy.types, word.replace("libshade.", "LIBSHADE_OT_")).bl_label for word in words} == OPERATORS
+    filters = bpy.context.scene.libshade.bl_rna.properties["pixel_filter_type"].enum_items
+    assert [(item.identifier, item.name) for item in filters] == [("BOX", "Box"), ("GAUSSIAN", "Gaussian"), ("BLACKMAN_HARRIS", "Blackman-Harris")]
 
 
 def test_what_is_undone_is_read_again():
