@@ -326,8 +326,9 @@ def test_materials():
     for size, brdf in ((_library.DEFAULTS_AT, "ashikhmin_shirley"), (_library.DEFAULTS_AT + 8, "auto")):  # without and with `defaults`
         assert ours(size.to_bytes(8, sys.byteorder) + params[8:size]).json()["brdf"] == brdf
     # multiscatter where nothing reads it is told, once
-    with pytest.warns(UserWarning, match="multiscatter on changes nothing with mdf ward and brdf auto; it needs mdf ggx or beckmann"):
+    with pytest.warns(UserWarning, match="multiscatter on changes nothing with mdf ward and brdf auto; it needs mdf ggx or beckmann") as said:
         deaf = shade.Material(mdf="ward", multiscatter="on")
+    assert said[0].filename == __file__
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert deaf.replace(ax=.2).replace(mdf="ggx").multiscatter == "on" and pickle.loads(pickle.dumps(deaf)).mdf == "ward"
@@ -524,8 +525,9 @@ def test_what_was_mended_in_a_draft_is_warned_of(tmp_path):
         warnings.simplefilter("error")
         plain = shade.fabric(wif=file)
     file.write_text(text.replace("[TREADLING]", "[TREADLING]\n1=1\n[TREADLING]"))
-    with pytest.warns(UserWarning, match=r"short.wif.*\[TREADLING\] once more"):
+    with pytest.warns(UserWarning, match=r"short.wif.*\[TREADLING\] once more") as said:
         twice = shade.fabric(wif=file)
+    assert said[0].filename == __file__  # where the user's own program asks for it
     where = [(0.5, 0.5), (1.5, 0.5), (0.5, 1.5), (1.5, 1.5)]
     assert plain.look_up(where)["top"].tolist() == twice.look_up(where)["top"].tolist() == [1, 0, 0, 1]
 
@@ -616,6 +618,10 @@ def test_ranges(make, low, high):
         make(inside)
         with pytest.raises(ValueError, match="expected a number from"):
             make(beyond)
+    shade.Scratches(SCRATCH | {"pits": 0}, cells=0)
+    for pits in (-1, 4000001):  # as many as that take long
+        with pytest.raises(ValueError, match="pits: .* expected a number from 0 to 4e"):
+            shade.Scratches(SCRATCH | {"pits": pits}, cells=0)
 
 
 def test_what_is_made_is_freed(monkeypatch):

@@ -544,3 +544,17 @@ def test_sheets_of_pictures_are_full(monkeypatch, tmp_path):
     pictures.swatches()
     assert "+W960" in asked[0] and Image.open(tmp_path / "examples/povray-cloth.jpg").size == (960, 540)
     assert asked[1][1:5] == ["swatch", "--all", "--size", "136"] and (tmp_path / "examples/swatches.jpg").exists()
+    steps = ["swatches", "blender_sheet", "twins", "povray_cloth", "povray_sheet"], ["nodes", "first", "effects", "cookbook"]
+    for name in (*steps[0], *steps[1]):
+        monkeypatch.setattr(pictures, name, lambda name=name: asked.append(name))
+    for name in ("blender", "povray"):
+        monkeypatch.setattr(pictures, "DEMO", tmp_path)
+        Image.new("RGB", (800, 450), name == "povray" and "red" or "blue").save(tmp_path / f"{name}.png")
+    monkeypatch.setattr(pictures, "STRIP", tmp_path / "povray.png")
+    for make, wanted in zip((pictures.main, pictures.manual), steps):
+        asked.clear()
+        make()
+        assert asked == wanted
+    both = Image.open(tmp_path / "examples/suzanne.jpg")
+    assert both.size == (1600, 450) and both.getpixel((10, 10))[2] > 200 and both.getpixel((1590, 10))[0] > 200  # Blender's on the left
+    assert Image.open(tmp_path / "examples/plate.jpg").size == (1600, 900)

@@ -61,7 +61,7 @@ def _draft(weave, pattern, draft, wif):
         if not made:
             raise ValueError(text(message.value))
         if message.value:
-            warnings.warn(text(message.value), stacklevel=4)
+            warnings.warn(text(message.value), stacklevel=3)
         return made
     if pattern is not None:
         whole = np.asarray(pattern)
