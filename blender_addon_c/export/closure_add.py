@@ -6,6 +6,7 @@ from .graph import is_known
 from .value import each, normal_of
 
 WHITE, BLACK = (1.0,) * 3, (0.0,) * 3
+_DRAWN = {"IMAGE", "NORMAL_MAP", "SCRATCHES"}  # bumps that may leave most of a surface flat, and are soon looked at
 
 
 def is_zero(part):
@@ -54,7 +55,7 @@ def add(reader, closure, weight, normal=None, color=None):
         closure = {**closure, "weight": weight}
     if reader.colors and color:
         closure = {**closure, "pass_color": tuple(color)}
-    if normal and closure.get("horizon", "").lower() == "mutual":  # where its bumps are uneven, slopes by the point
+    if normal and closure.get("horizon", "").lower() == "mutual" and reader.program.reads(normal, _DRAWN):
         closure = {**closure, "moment_from": tuple(reader.program.emit("RELIEF"))}
     reader.closures.append({**closure, "normal": normal} if normal else closure)
 

@@ -39,6 +39,18 @@ class Program:
             return known
         return self.emit("MATH", 1, operation=operation, a=[a], b=[b], c=[c])[0]
 
+    def reads(self, parts, kinds):
+        """Does some node of these kinds stand behind one of these registers?"""
+        left, seen = list(_registers(parts)), set()
+        while left:
+            node = self._makers[left.pop()]
+            if node["type"] in kinds:
+                return True
+            new = set(_registers(node)) - seen
+            seen |= new
+            left += new
+        return False
+
     def range_of(self, part, range_of_image):
         """(least, most) of a number or register, as far as that is known, else infinite. range_of_image: of an image by its
         index."""

@@ -122,3 +122,12 @@ def test_what_changes_nothing_needs_no_node():
     for operation, operands in [("SUBTRACT", (0.0, r)), ("MULTIPLY", (r, 2.0)), ("ADD", (r, 1.0)), ("DIVIDE", (1.0, r)),
                                 ("MIX", (r, s, 0.5))]:
         assert program.math(operation, *operands) not in (r, s, 0.0), operation
+
+
+def test_what_stands_behind_a_number():
+    program = graph.Program()
+    near = program.emit("IMAGE", 3, image=0)
+    far = program.emit("NOISE", 1)
+    bump = program.emit("BUMP", 3, height=[program.math("MULTIPLY", near[0], far[0])] * 3)
+    assert program.reads(bump, {"IMAGE"}) and program.reads((0.5, far[0]), {"NOISE", "BUMP"})
+    assert not program.reads(near, {"NOISE"}) and not program.reads(bump, {"SCRATCHES"}) and not program.reads((0.0, 1.0), {"IMAGE"})

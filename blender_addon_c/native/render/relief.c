@@ -10,8 +10,8 @@
 #include "render/hits.h"
 
 /* Of a material: of POINTS the root of a variance is within 2 %. Where bumps may be uneven FINE
- * make a map, of cells that hold four of them. */
-enum { POINTS = 4 * BATCH, FINE = 256 * BATCH, SIDE = 256, COARSEST = 8 };
+ * make a map. Its cells, SIDE along either axis, hold four of them, as those of a first one do. */
+enum { POINTS = 4 * BATCH, FIRST_SIDE = 32, FINE = 256 * BATCH, SIDE = 256, COARSEST = 8 };
 
 static bool is_mutual(const closure *c) {
   return c->type == CLOSURE_METAL && c->of.metal.params.horizon == SHADE_HORIZON_MUTUAL;
@@ -111,16 +111,14 @@ static void add_bumps(const closure_metal *c, lane_run run, const batch *b, bump
   }
 }
 
-/* Slopes of bumps: their mean, and the second moment about it; the variance of their squares, over
- * the mean's square. */
+/* Slopes of bumps: their mean, and the second moment about it. */
 typedef struct moments {
-  double x, y, xx, xy, yy, varies;
+  double x, y, xx, xy, yy;
 } moments;
 
 static moments moments_of(const bumps *all) {
   moments m = {0};
   const double share = 1 / (double)all->count;
-  double fourth = 0;
   for (const bump *b = all->of; b < all->of + all->count; b++) {
     m.x += share * (double)b->x;
     m.y += share * (double)b->y;
@@ -130,10 +128,7 @@ static moments moments_of(const bumps *all) {
     m.xx += share * x * x;
     m.xy += share * x * y;
     m.yy += share * y * y;
-    fourth += share * (x * x + y * y) * (x * x + y * y);
   }
-  const double sum = m.xx + m.yy;
-  m.varies = sum > 1e-10 ? fourth / (sum * sum) - 1 : 0;
   return m;
 }
 
@@ -200,45 +195,51 @@ static void frame(const bumps *all, relief_map *map) {
 static void fill(const bumps *all, const moments *m, const relief_map *map, cell *cells) {
   for (const bump *b = all->of; b < all->of + all->count; b++) {
     const float x = b->x - (float)m->x, y = b->y - (float)m->y;
-    const int i = relief_find_place(b->u, map->first[0], map->scale, SIDE).nearest;
-    const int j = relief_find_place(b->v, map->first[1], map->scale, SIDE).nearest;
-    cell *to = &cells[j * SIDE + i];
+    const int i = relief_find_place(b->u, map->first[0], map->scale, map->side).nearest;
+    const int j = relief_find_place(b->v, map->first[1], map->scale, map->side).nearest;
+    cell *to = &cells[j * map->side + i];
     *to = plus(*to, (cell){1.0f, x, y, x * x, x * y, y * y});
   }
 }
 
-/* How much moments in windows count, not those of all: the more, the more they vary. Waves' are
- * even enough; where half of a map is flat they count wholly. */
-static const double even = 0.5, uneven = 0.8; /* variance over the mean's square */
-static float nearness(const cell *cells, const cell *windows, int side, double sum, double count) {
+/* The variance of moments in windows, over the square of their mean. */
+static double varied(const cell *cells, const cell *windows, int side, double sum, double count) {
   double squares = 0;
   for (int k = 0; k < side * side; k++) {
     const cell w = windows[k];
     const double here = cells[k].count > 0 ? (double)((w.xx + w.yy) / w.count) / sum : 0;
     squares += (double)cells[k].count * here * here / count;
   }
-  return (float)fmin(fmax((squares - 1 - even) / (uneven - even), 0), 1);
+  return squares - 1;
 }
 
-/* The finest map whose windows hold four fifths of the variance, or, of even bumps, NULL. False
- * when out of memory. */
-static bool make_map(const bumps *all, const moments *m, relief_map **made) {
+/* Moments in windows count the more, not that of all, the more they vary: waves' are even enough,
+ * and where half of a map is flat they count wholly. */
+static float nearness(double varies) {
+  const double even = 0.5, uneven = 0.8;
+  return (float)fmin(fmax((varies - even) / (uneven - even), 0), 1);
+}
+
+/* The finest map, of so many cells along a side or fewer, whose windows hold four fifths of the
+ * variance, and how much they vary. NULL when out of memory. */
+static relief_map *map_of(const bumps *all, const moments *m, int side, double *varies) {
   const double sum = m->xx + m->yy, most = 0.2 * sum * (double)all->count;
+  const size_t room = (size_t)side * (size_t)side;
   const float none = 1e-3f, whole[3] = {(float)m->xx, (float)m->xy, (float)m->yy};
-  float near = 0;
-  cell *cells = calloc(SIDE * SIDE, sizeof *cells), *windows = calloc(SIDE * SIDE, sizeof *cells);
-  relief_map *map = malloc(sizeof *map + sizeof *map->moment * SIDE * SIDE);
-  if (cells && windows && map) {
+  cell *cells = calloc(2 * room, sizeof *cells), *windows = cells ? cells + room : NULL;
+  relief_map *map = cells ? malloc(sizeof *map + room * sizeof *map->moment) : NULL;
+  if (map) {
+    map->side = side;
     frame(all, map);
     fill(all, m, map, cells);
-    map->side = SIDE;
     for (;; map->side /= 2) {
       blur(cells, map->side, windows);
       if (map->side == COARSEST || left_out(cells, windows, map->side) <= most)
         break;
       halve(cells, map->side);
     }
-    near = nearness(cells, windows, map->side, sum, (double)all->count);
+    *varies = varied(cells, windows, map->side, sum, (double)all->count);
+    const float near = nearness(*varies);
     for (int k = 0; k < map->side * map->side; k++) {
       const cell w = windows[k];
       const float here[3] = {w.xx, w.xy, w.yy}, part = near / (w.count + none);
@@ -246,15 +247,26 @@ static bool make_map(const bumps *all, const moments *m, relief_map **made) {
         map->moment[k][i] = whole[i] + part * (here[i] - w.count * whole[i]);
     }
   }
-  const bool good = cells && windows && map;
   free(cells);
-  free(windows);
-  if (!(near > 0)) {
+  return map;
+}
+
+/* Gives the node of uneven bumps its map, or says whether a first one, whose windows are wide and
+ * so vary less, is worth a *finer. False when out of memory. */
+static bool set_map(node_relief *n, const bumps *all, const moments *m, bool first, bool *finer) {
+  const double hint = 0.2;
+  double varies = 0;
+  if (!(m->xx + m->yy > 1e-10))
+    return true;
+  relief_map *map = map_of(all, m, first ? FIRST_SIDE : SIDE, &varies);
+  if (!map)
+    return false;
+  *finer = *finer || (first && varies > hint);
+  if (!first && nearness(varies) > 0)
+    n->map = map;
+  else
     free(map);
-    map = NULL;
-  }
-  *made = map;
-  return good;
+  return true;
 }
 
 static void set_slopes(closure_metal *c, const moments *m) {
@@ -291,15 +303,15 @@ static void see(worker *w, const material *m, const point *points, size_t points
   }
 }
 
-/* Looks at so many points of a material; *varied: whether FINE may make a map. */
-static bool look(worker *w, material *m, double area, size_t count, bool *varied) {
+/* Looks at so many points of a material; *finer: whether some of its bumps are worth FINE. */
+static bool look(worker *w, material *m, double area, size_t count, bool *finer) {
   bumps found[CLOSURES_MOST] = {{0}};
   point *points = calloc(count, sizeof *points);
   bool good = points != NULL;
   for (size_t k = 0; k < m->closures; k++)
     if (wants_slopes(&m->closure[k]))
       good = (found[k].of = malloc(count * sizeof *found[k].of)) && good;
-  *varied = false;
+  *finer = false;
   if (good) {
     walk(w->scene, (int32_t)(m - w->scene->material), area, count, points);
     see(w, m, points, count, found);
@@ -310,10 +322,7 @@ static bool look(worker *w, material *m, double area, size_t count, bool *varied
       node_relief *n = node_of(m, c);
       const moments all = moments_of(&found[k]);
       set_slopes(c, &all);
-      if (!n || n->map || all.varies < even) /* windows do not vary more */
-        continue;
-      *varied = true;
-      good = count < FINE || make_map(&found[k], &all, &n->map);
+      good = !n || n->map || set_map(n, &found[k], &all, count < FINE, finer);
     }
   for (size_t k = 0; k < m->closures; k++)
     free(found[k].of);
@@ -329,14 +338,14 @@ static bool wants(const material *m) {
 }
 
 static bool look_at(worker *w, material *m) {
-  bool varied;
+  bool finer;
   const double area = walk(w->scene, (int32_t)(m - w->scene->material), 0, 0, NULL);
   if (!(area > 0))
     return true;
   if (!w->batch && !batch_init(w))
     return false;
   memset(w->batch->path_states, 0, sizeof w->batch->path_states);
-  return look(w, m, area, POINTS, &varied) && (!varied || look(w, m, area, FINE, &varied));
+  return look(w, m, area, POINTS, &finer) && (!finer || look(w, m, area, FINE, &finer));
 }
 
 /* Of even bumps there is one moment, which the closure knows. */

@@ -466,8 +466,10 @@ def test_what_a_material_gets_of_a_closure():
         assert read(closure, **how).get("horizon") == horizon, (closure["f0"], how)
     for closure, transport, detail in ((drawn, True, None), (drawn, False, "gram_schmidt"), (grey, True, "gram_schmidt"), ({**grey, "ax_from": [3]}, True, None)):
         assert read(closure, transport=transport).get("detail") == detail
-    for closure, how, moment in ((grey, {"mutual": True}, (7, 8, 9)), (grey, {}, None), ({**grey, "stock": False, "horizon": "MUTUAL"}, {}, (7, 8, 9))):
-        assert read(closure, normal=[5], program=Of(emit={"RELIEF": [7, 8, 9]}.get), **how).get("moment_from") == moment, (closure, how)
+    ours = {**grey, "stock": False, "horizon": "MUTUAL"}
+    for closure, mutual, drawn, moment in ((grey, True, True, (7, 8, 9)), (grey, True, False, None), (grey, False, True, None), (ours, False, True, (7, 8, 9))):
+        program = Of(emit={"RELIEF": [7, 8, 9]}.get, reads=lambda parts, kinds, said=drawn: said)
+        assert read(closure, normal=[5], program=program, mutual=mutual).get("moment_from") == moment, (closure, mutual, drawn)
     shine, clear = {"closure": "EMISSION"}, {"closure": "TRANSPARENT"}
     for closure, weight, wanted in ((clear, 0.0, False), (clear, (0, 0, 0.1), True), (clear, -1.0, False), (shine, (0, -1, 0), True), (shine, 0.0, False)):
         assert bool(read(closure, weight)) == wanted, (closure, weight)
