@@ -64,7 +64,7 @@ WINDOWS_ADDON_ZIP := $(B)/release/libshade-blender-$(SHADE_VERSION)-windows-x64.
 .PHONY: windows-addon-built
 windows: $(WINDOWS_ADDON_ZIP)
 windows-addon-built: windows-render-built $(W)/python/pyconfig.h
-	$(Q)+$(WINDOWS_MAKE) $(WINDOWS_PYTHON_OBJ)
+	$(Q)+$(WINDOWS_MAKE) --silent $(WINDOWS_PYTHON_OBJ)
 	@{ echo "LIBRARY python3.dll"; echo EXPORTS; x86_64-w64-mingw32-nm -u $(WINDOWS_PYTHON_OBJ) | \
 	  sed -n 's/^ *U __imp_\(_*Py.*\)/  \1/p' | LC_ALL=C sort -u; } >$(W)/lib/python3.def.part
 	@cmp -s $(W)/lib/python3.def.part $(W)/lib/python3.def || { mv $(W)/lib/python3.def.part $(W)/lib/python3.def && \

@@ -66,7 +66,8 @@ static void memory_grows_and_is_zero(void **state) {
     assert_int_equal(zeros[i], 0);
 #ifndef __SANITIZE_ADDRESS__
   volatile size_t many = SIZE_MAX / 2;
-  assert_null(calloc(many, 3));
+  void *volatile none = calloc(many, 3); /* clang leaves out a block that nobody looks at */
+  assert_null(none);
 #endif
   free(text);
   free(copy);
