@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """check.py on pairs of dumps, good ones and then one broken part at a time."""
 import json
+import re
 import subprocess
 import sys
 
@@ -114,8 +115,13 @@ def test_what_has_no_row_of_its_own_is_said(tmp_path, monkeypatch, capsys):
     reference = check.against_reference
     monkeypatch.setattr(check, "against_reference", lambda path, *about: {
         **reference(path, *about), **({"pass": False} if path.name == "b.exr" else {})})
-    assert check.main(["--json", *map(str, pair(tmp_path))]) == 1
+    both = [str(path) for path in pair(tmp_path)]
+    assert check.main(["--json", *both]) == 1
     assert json.loads(capsys.readouterr().out)["missed"] == ["B: `shade check` does not pass it"]
+    assert check.main(both) == 1
+    said = capsys.readouterr().out
+    assert re.search(r"^A a\.exr, B b\.exr +measured +limit +worst at$", said, re.M), said
+    assert said.rstrip().endswith("Verdict: NOT within limits: B: `shade check` does not pass it.")
 
 
 def test_what_is_no_number_is_said_with_its_place(tmp_path):

@@ -213,7 +213,7 @@ def judge(monkeypatch, folder, blender=None, povray=None, after=None, picture=No
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(io.StringIO()):
         status = consistency.main([str(scene), "--output", str(folder / "out"), *options])
     text = (folder / "out" / "verdict.txt").read_text(encoding="utf-8")
-    assert text in said.getvalue()
+    assert text in said.getvalue() and text.split("\n")[0].split() == ["scene.blend", "measured", "limit"]
     assert ("both renderers agree" in text) == (status == 0)
     assert ("NOT within limits" in text) == (status == 1)
     return status, [line for line in text.splitlines() if line.endswith("MISSED")]

@@ -307,6 +307,8 @@ def test_commands_print_the_sample(rows, capsys):
         if region.failure == "rounding":
             off = number(lines, "of float n and h") / number(lines, "D′ of the displaced") - 1
             assert abs(off) == pytest.approx(region.value, rel=0.02)
+    for short, whole in ((["form=fibre_printed"], ["theta=45", "azimuth=150"]), (["form=rotate", "theta=10"], ["tilt=30", "azimuth=45"])):
+        assert atlas_at.at(atlas_at.parse(short)) == atlas_at.at(atlas_at.parse([*short, *whole])), short
     assert study_atlas.main(["--at", "form=rotate", "tilt=30", "azimuth=20", "theta=10"]) == 0
     assert "D′ of the reference" in capsys.readouterr().out
 
@@ -326,3 +328,15 @@ def test_a_ramp_begins_and_ends_with_its_stops():
     colours = atlas_charts.ramp("#102030", "#204060", "#ff0000")
     wanted = [(16, 32, 48), (16, 32, 48), (24, 48, 72), (32, 64, 96), (255, 0, 0), (255, 0, 0)]
     assert np.array_equal(colours(np.array([-1, 0, 0.25, 0.5, 1, 2])), wanted)
+
+
+def test_sizes_of_lobes_are_called_what_they_are(rows):
+    """Exponents of Ashikhmin and Shirley's form, alphas of all others."""
+    seen = set()
+    for group in atlas_charts.grouped([row for row in rows if row["map"] == "lobe"], "form"):
+        form = FORMS[group[0]["form"]]
+        made = atlas_charts.maps([group], "lobe", (), ("size", "tilt"), lambda _rows: "a title")
+        assert (">α<" in made, ">exponent<" in made) == ((False, True) if form.mdf == "ashikhmin_shirley" else (True, False)), form
+        assert ">a title<" in made and ">tilt of n, °<" in made
+        seen.add(form.mdf == "ashikhmin_shirley")
+    assert seen == {False, True}
