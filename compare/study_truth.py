@@ -3,12 +3,16 @@
 import json
 import shutil
 
+import numpy as np
+
 import displacement
 import fabric
 import gallery
 import gallery_cloth
+import pictures
 import programs
 import report
+import sheet
 import style
 from displacement import GROOVED, ROUND
 from gallery import pick, variation
@@ -35,6 +39,9 @@ DESIGN = {"none": (0.568, 0.835, 0.929, 0.978), "perturb": (0.390, 0.501, 0.513,
 TILTS = (10.0, 20.0, 30.0, 45.0)
 MADE = "Made by `compare/report_page.py --only truth`."
 RENDERED = {"waves": [], "scratches": ["--surface", "scratches"]}
+STEEP, STEEP_AT = ("noise", "ridges", "letter"), ("--size", "96", "--samples", "24", "--quads", "400")
+# Of truth.py's jobs under one sky: what is shown, and its label.
+STEEP_SHOWN = {"displaced": "displaced", "valid_estevez": "before: valid_estevez", "mutual": "now: mutual", "Cycles' normal map": "Cycles"}
 
 
 # ---- the work ------------------------------------------------------------------------------------
@@ -85,6 +92,31 @@ def rendered(surface):
     return run
 
 
+def steep(surface):
+    """Steep bumps under skies, by truth.py; pictures of its first sky."""
+    def run(folder, say):
+        say("rendering")
+        out = folder / "out"
+        report.step(f"truth.py, {surface}", [
+            str(programs.BUILD / "venv" / "bin" / "python"), str(programs.HERE / "truth.py"), "--surface", surface,
+            *STEEP_AT, "--output", str(out)], folder / "log", allowed=(0, 1))
+        found = json.loads((out / "truth.json").read_text(encoding="utf-8"))
+        jobs = json.loads((out / "jobs.json").read_text(encoding="utf-8"))["jobs"]
+        seen, first = {}, next(iter(found["skies"]))
+        for job in jobs:
+            name = job["horizon"].lower() if "horizon" in job else "displaced" if job["surface"] == "displaced" else CYCLES
+            if job["sky"] == jobs[0]["sky"]:
+                seen.setdefault(name, pictures.read(job["output"]))
+        white = 2.5 * float(seen["displaced"].mean())
+        tiles = sheet.tiles(folder, f"steep-{surface}", [
+            (f"{surface}|{label}", sheet.grey(seen[name], white),
+             *(("error {}", found["skies"][first][name]) if name != "displaced" else ())) for name, label in STEEP_SHOWN.items()])
+        shutil.rmtree(out)
+        return [*({"kind": "steep", "surface": surface, "sky": sky, "method": name, "error": value}
+                  for sky, one in found["skies"].items() for name, value in one.items()), *tiles]
+    return run
+
+
 def tasks(quick):
     slopes = (0.2, 0.6, 1.2) if quick else (0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.2)
     materials = (GROOVED, ROUND) if quick else tuple(displacement.MATERIALS)
@@ -108,6 +140,8 @@ def tasks(quick):
         work += [Task(f"rendered-{surface}", 90, rendered(surface),
                       " ".join(["compare/truth.py", *options, "--size 256 --samples 128"]))
                  for surface, options in RENDERED.items()]
+        work += [Task(f"steep-{surface}", 60, steep(surface), f"compare/truth.py --surface {surface} {' '.join(STEEP_AT)}")
+                 for surface in STEEP]
     return work
 
 
@@ -237,6 +271,21 @@ def finding_rendered(rows):
         and found["waves"][CYCLES] > 0.1, "rendered")
 
 
+def medians(rows, surface):
+    """{method: error}, of all skies."""
+    here = pick(rows, kind="steep", surface=surface)
+    return {m: float(np.median([r["error"] for r in here if r["method"] == m])) for m in STEEP_SHOWN if m != "displaced"}
+
+
+def finding_steep(rows):
+    found = {s: medians(rows, s) for s in STEEP}
+    return Finding(
+        "Under skies bumps of slope 1 that shade each other (`mutual`) are nearer to displaced ones than today's rule, as seen "
+        "from above, in the median of skies: " + ", ".join(
+            f"{percent(one['mutual'])} for {percent(one['valid_estevez'])} ({s})" for s, one in found.items()) + ".",
+        all(one["mutual"] < one["valid_estevez"] for one in found.values()), "steep")
+
+
 CYCLES = "Cycles' normal map"  # truth.CYCLES
 
 
@@ -245,6 +294,8 @@ def findings(rows):
              finding_design, finding_fibres, finding_cloth]
     if pick(rows, kind="rendered"):
         found.append(finding_rendered)
+    if pick(rows, kind="steep"):
+        found.append(finding_steep)
     return [one(rows) for one in found]
 
 
@@ -286,6 +337,10 @@ def figures(rows):
                curves(rows, "waves", "error", ("perturb", "deform_smooth", "gram_schmidt", "rotate"), 1e-3),
                "Curves of error against slope for four methods"),
     ]
+    made += [Figure(f"steep-{surface}", f"Steep bumps under a sky: {surface}", "Slope 1, from above, under the first of the skies: really "
+                    "displaced with 12 reflections, by the normal as before and now, and by Cycles' own node. " + MADE,
+                    sheet.panels(pick(rows, kind="tile", figure=f"steep-{surface}"), 2), "Four pictures of a bumped plate")
+             for surface in STEEP if pick(rows, kind="tile", figure=f"steep-{surface}")]
     return made + [gallery.figure(entry, rows, MADE) for entry in gallery.ENTRIES
                    if pick(rows, kind="tile", figure=entry.id)]
 
@@ -318,4 +373,8 @@ def tables(rows):
         made.append(Table("rendered", "Rendered beside displaced meshes", "truth.py: slope 0.6, exponents (6170, 7.7), a sun; "
                           "scratches: off their creases.", ("surface", "method", "error, %"),
                           [[r["surface"], style.of(r["method"]).label, 100 * r["error"]] for r in pick(rows, kind="rendered")]))
+    if pick(rows, kind="steep"):
+        made.append(Table("steep", "Steep bumps under skies", "truth.py: round GGX of alpha 0.2, slope 1, from above; means of 4 × 4 pixels. "
+                          "noise of the truth: half of what two of its pictures differ by.", ("surface", "sky", "method", "error, %"),
+                          [[r["surface"], r["sky"], r["method"], 100 * r["error"]] for r in pick(rows, kind="steep")]))
     return made

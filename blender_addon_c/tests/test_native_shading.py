@@ -28,7 +28,7 @@ from native_scenes import (
     vectors,
 )
 
-COST = 4.3
+COST = 4.7
 
 F0 = (0.9, 0.6, 0.3)
 

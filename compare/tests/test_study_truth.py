@@ -131,6 +131,8 @@ def rows(tmp_path_factory, quick_rows):
         others = dict.fromkeys(("none", "perturb", "gram_schmidt", "deform_smooth"), 0.3)
         found += [{"kind": "rendered", "surface": surface, "method": m, "error": e}
                   for m, e in {**others, **errors}.items()]
+    found += [{"kind": "steep", "surface": surface, "sky": sky, "method": m, "error": e} for surface in study_truth.STEEP
+              for sky in ("day", "night") for m, e in (("valid_estevez", 0.1), ("mutual", 0.05), (study_truth.CYCLES, 0.06))]
     return found
 
 
@@ -173,6 +175,7 @@ G = displacement.GROOVED
     (7, change(kind="diffuse", method="fibre_printed", to=("error", lambda v: 9.0))),
     (8, change(kind="cloth", to=("colour_single", lambda v: 0.0))),
     (9, change(kind="rendered", method=study_truth.CYCLES, to=("error", lambda v: 0.05))),
+    (10, change(kind="steep", surface="letter", method="mutual", to=("error", lambda v: 0.2))),
 ])
 def test_altered_rows_are_noticed(rows, number, altered):
     wanted, column, how = altered
