@@ -4,6 +4,7 @@
 import functools
 import os
 import sys
+import time
 from types import SimpleNamespace
 
 import bpy
@@ -564,7 +565,18 @@ def test_slopes_are_told_of_a_render():
     tree.links.new(bump.outputs[0], node.inputs["Normal"])
     common.plane(material)
     common.camera(scene)
-    bpy.ops.render.render()
+    # and where its time went, where that is asked: reading the scene took a part of it
+    engine, told, began = module("engine"), [], time.perf_counter()
+    os.environ["LIBSHADE_TIMINGS"] = "1"
+    try:
+        with replaced(engine, _summary=lambda *said: told.append(said) or "told"):
+            bpy.ops.render.render()
+    finally:
+        del os.environ["LIBSHADE_TIMINGS"]
+    (timings, seconds), = told
+    assert 0 < seconds < time.perf_counter() - began and timings["samples"] > 0, told
+    assert engine._summary({"wall": 1.5, "samples": 4, "tree": 0.25, "shade": 0.5, "tiny": 1e-4}, 0.125) == (
+        "libshade: sync 0.125 s, render 1.500 s, 4 samples; seconds summed over threads: shade 0.500, tree 0.250")
     name, _, slopes = scene.libshade.bump_slopes.partition(": slopes ")
     assert name == "steel" and all(1e-4 < float(v) < 2 for v in slopes.split(", ")), scene.libshade.bump_slopes
 
