@@ -572,6 +572,15 @@ def test_what_is_inside_our_nodes_is_hidden():
     assert [icon for _text, icon in drawn[1].lines] == ["ERROR"] + ["NONE"] * (len(drawn[1].lines) - 1) and len(drawn[1].lines) == 5
 
 
+def test_where_a_groove_finds_room():
+    """Left of its shader and a little below, or farther down until nothing of its frame is within 170 of it; what stands beside that column is not in its way."""
+    node = Of(parent=None, location=(0.0, 0.0), width=150)
+    for others, wanted in (((), -250), (((-150, -300, 140, None),), -490), (((-150, -300, 140, None), (-300, -600, 140, None)), -790), (((-150, -90, 140, None),), -280),
+                           (((-150, -300, 140, "frame"),), -250), (((0, -300, 140, None),), -250), (((-400, -300, 140, None),), -250), (((-400, -300, 240, None),), -490)):
+        tree = Of(nodes=[node, *(Of(location=(x, y), width=width, parent=parent) for x, y, width, parent in others)])
+        assert module("groove")._free_place(tree, node) == (-200, wanted), (others, module("groove")._free_place(tree, node))
+
+
 def test_what_the_report_shows():
     """A box for each thing that was said: whose it is, a button that selects that, and the rest in lines as wide as the region; red where it is an error."""
     common.empty_scene()
