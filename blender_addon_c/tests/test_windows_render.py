@@ -10,7 +10,6 @@ import resource
 import runpy
 import signal
 import subprocess
-import sys
 import zipfile
 
 import numpy as np
@@ -18,13 +17,11 @@ import OpenImageIO as oiio
 import pytest
 
 import damaged
+import own_dll
 from blender_runs import BPY, BUILD, ROOT
 from blender_runs import ZIP as LINUX
 from native_scenes import scene
 from shade_render import COMBINED, assert_same, channels, made, run, scene_file
-
-sys.path.insert(0, str(ROOT / "setup"))
-import own_dll
 
 COST = 0.1  # where nothing was built; else 25
 
