@@ -39,8 +39,9 @@ def test_pictures(tool, tmp_path, number):
     both(tool, tmp_path, path, "--seed", 4294967295, "--samples", 16)
 
 
-@pytest.mark.parametrize("name, share", [("factory", 0.999), ("plate", 0.999), ("pan", 0.995)])
+@pytest.mark.parametrize("name, share", [("factory", 0.999), ("plate", 0.999), ("pan", 0.997)])
 def test_saved_scenes(tool, blender_old, tmp_path, name, share):
-    """On the pan's fine bumps paths part where Embree rounds otherwise: a few pixels are off by a tenth of a percent."""
+    """On the pan's fine bumps paths part where sums are rounded otherwise: a few pixels are off by a tenth of a percent, and more of
+    what little light goes round more than once."""
     blender_old.run("saved.py", tmp_path, *script_of(name, tmp_path))
-    both(tool, tmp_path, tmp_path / "saved.shscene", share=share)
+    both(tool, tmp_path, tmp_path / "saved.shscene", *(("--passes", "Combined") if name == "pan" else ()), share=share)
