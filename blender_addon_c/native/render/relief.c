@@ -322,6 +322,7 @@ static bool look(worker *w, material *m, double area, size_t count, bool *finer)
       node_relief *n = node_of(m, c);
       const moments all = moments_of(&found[k]);
       set_slopes(c, &all);
+      /* of a node that several closures of a file read the first one's */
       good = !n || n->map || set_map(n, &found[k], &all, count < FINE, finer);
     }
   for (size_t k = 0; k < m->closures; k++)
