@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """check.py on pairs of dumps, good ones and then one broken part at a time."""
+import contextlib
+import io
 import json
 import re
 import subprocess
@@ -13,8 +15,9 @@ import check
 import dumps
 import pictures
 import programs
+import report
 
-COST = 12
+COST = 2.2
 
 
 def pair(folder, first=None, second=None, after=None, povray=True):
@@ -37,21 +40,27 @@ def pair(folder, first=None, second=None, after=None, povray=True):
     return files
 
 
+def started(*arguments):
+    """(status, what it prints, what it says on standard error) of the script, in this process, which has all that it imports."""
+    said, wrong = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(wrong), pytest.raises(SystemExit) as end:
+        report.run(lambda: check.main(list(map(str, arguments))))
+    return end.value.code, said.getvalue(), wrong.getvalue()
+
+
 def judged(files, *options):
     """(status, {first word of a row that is missed}, the whole verdict)."""
-    done = subprocess.run([sys.executable, programs.HERE / "check.py", "--json", *options, *files],
-                          capture_output=True, text=True, check=False)
-    assert done.returncode in (0, 1) and done.stdout, done.stderr
-    said = json.loads(done.stdout)
-    assert said["agree"] == (done.returncode == 0) == (not said["missed"])
-    return done.returncode, {row.split()[0] for row in said["missed"]}, said
+    status, text, wrong = started("--json", *options, *files)
+    assert status in (0, 1) and text, wrong
+    said = json.loads(text)
+    assert said["agree"] == (status == 0) == (not said["missed"])
+    return status, {row.split()[0] for row in said["missed"]}, said
 
 
 def refused(*arguments):
-    done = subprocess.run([sys.executable, programs.HERE / "check.py", *map(str, arguments)],
-                          capture_output=True, text=True, check=False)
-    assert "Traceback" not in done.stderr and not done.stdout, done.stdout + done.stderr
-    return done.returncode, done.stderr
+    status, text, wrong = started(*arguments)
+    assert not text, text + wrong
+    return status, wrong
 
 
 @pytest.mark.parametrize("povray", [True, False])
