@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`setup/bench_pairs.py`: its verdict on tools whose times are known, and how it ends."""
 import csv
+import importlib.util
 import os
 import pathlib
 import shutil
@@ -54,8 +55,13 @@ def test_a_slower_row_is_named(tool, tmp_path):
     out = tmp_path / "out.csv"
     said = pairs(before, after, "--pairs", 3, "--what", "D", "f", "-o", out)
     assert said.returncode == 1, said.stderr
-    slow = [line for line in said.stdout.splitlines() if " rotate " in line]
-    assert len(slow) == 2 and all(" ward " in line and " 1.050 (" in line for line in slow)
+    slow = "avx2    cache  {:16s} float  ward              rotate                   1.050 (1.050 to 1.050)  least 1.050: 2 -> 2.1 ns"
+    of_all = "avx2    {:16s} median of   2 rows 1.025, 1.000 to 1.050; over 1.03: 1"
+    assert said.stdout.splitlines() == ["2 rows over 1.03 at first; taken again:", *(text.format(what) for text in (slow, of_all) for what in "Df")]
+    turns = [f"{done} of {total} turns, 0 min left" for each, total in ((4, 12), (2, 6)) for done in range(each, total + 1, each)]
+    assert said.stderr.splitlines() == turns  # a line a pair; those that are slow alone the second time
+    asked = [line.split()[1:] for line in (tmp_path / "calls").read_text().splitlines()]
+    assert asked[0] == "bench --csv --isa avx2 --what D --mdf ggx --set cache".split() and len(asked) == 2 * (12 + 6)
     rows = {(row["question"], row["distribution"]): row for row in csv.DictReader(out.open())}
     assert {key: float(row["ratio"]) for key, row in rows.items()} == {
         ("D", "ggx"): 1, ("D", "ward"): 1.05, ("f", "ggx"): 1, ("f", "ward"): 1.05}
@@ -73,6 +79,25 @@ def test_the_median_counts_and_turns_alternate(tool, tmp_path):
     assert calls == [before, after, after, before, before, after]
     assert pairs(before, after, "--pairs", 1, "--what", "D", "--mdf", "ggx", "-o", "here.csv", cwd=tmp_path).returncode == 0
     assert (tmp_path / "here.csv").read_text().startswith("question,")
+    (tmp_path / "folder").mkdir()
+    said = pairs(before, after, "--pairs", 1, "--what", "D", "--mdf", "ggx", "-o", "folder", cwd=tmp_path)
+    assert said.returncode == 2 and "bench_pairs.py: folder: Is a directory" in said.stderr and not list(tmp_path.glob("folder.*"))
+
+
+def test_progress_on_a_terminal(monkeypatch, capsys):
+    """One line, which is written over and gone at the end."""
+    spec = importlib.util.spec_from_file_location("bench_pairs", SCRIPT)
+    bench = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(bench)
+    now = iter((100, 130, 190))
+    monkeypatch.setattr(bench.time, "monotonic", lambda: next(now))
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    progress = bench.Progress(10)
+    progress.step("--what f", False)
+    progress.step("--what D", True)
+    progress.clear()
+    assert capsys.readouterr().err == "".join(f"\r{text}\033[K" for text in (
+        "1 of 10 turns, 4 min left  --what f", "2 of 10 turns, 6 min left  --what D", ""))
 
 
 @pytest.mark.parametrize("count, low, median, high", [(1, 1, 1, 1), (3, 1, 2, 3), (5, 2, 3, 4), (8, 3, 4.5, 6)])
@@ -101,6 +126,13 @@ def test_default_questions_and_rows_of_one_tool(tool, tmp_path):
     asked = {tuple(line.split()[i] for i in (6, 8)) for line in (tmp_path / "calls").read_text().splitlines()}
     assert asked == {(what, mdf) for what in ("D", "f", "D_call", "f_call", "f_estevez") for mdf in ("ggx", "ward")}
     assert said.stdout.count(f"only in {after}: ") == len(asked)
+    (tmp_path / "calls").unlink()
+    said = pairs(before, before, "--pairs", 1, "--isa", "sse2", "scalar", "--mdf", "ward", "--set", "memory")
+    calls = [line.split()[3:] for line in (tmp_path / "calls").read_text().splitlines()]
+    assert said.returncode == 0 and calls[::2] == calls[1::2] == [  # in cache alone more than D and f
+        f"--isa {isa} --what {what} --mdf ward --set memory".split() for isa in ("sse2", "scalar") for what in "Df"]
+    said = pairs(before, before, "--pairs", 1, "--what", "lanes", "cloth")  # of no distribution
+    assert said.returncode == 0 and (tmp_path / "calls").read_text().splitlines()[-1] == f"{before} bench --csv --isa avx2 --what cloth"
 
 
 @pytest.mark.parametrize("body, arguments, words", [
