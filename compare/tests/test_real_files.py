@@ -2,6 +2,8 @@
 """The list of real files, and what is judged; nothing is fetched or rendered here."""
 import importlib
 import sys
+import tarfile
+import zipfile
 from types import ModuleType, SimpleNamespace
 from unittest.mock import MagicMock
 
@@ -13,7 +15,7 @@ import pictures
 import real_files
 import real_files_fetch
 
-COST = 0.27
+COST = 0.8
 
 
 def row(state, difference="", warnings=""):
@@ -59,18 +61,33 @@ def test_verdict(capsys):
         assert not real_files.verdict([*good[1:], bad, bad], options)
     assert "of the other 2 0 with a warning" in capsys.readouterr().out
     assert not real_files.verdict([row("package: not to be had")], options)
+    capsys.readouterr()
+    one = {"package": "p", "path": "a/b.obj", "material": "", "blender": "3.4", "brightness": 1.5, "noise_cycles": 0.01, "noise_libshade": 0.02}
+    real_files.verdict([{**row("rendered", 0.06, "a node"), **one}, {**row("rendered", 0.5), **one, "material": "tile"},
+                        {**row("LIBSHADE: exit status 1"), **one, "brightness": "", "blender": "5.0"}, {**row("noise of Cycles", 2), **one}], options)
+    assert capsys.readouterr().out.splitlines() == [  # the worst first, what failed before it
+        "beyond the limit  difference  brightness  noise, Cycles and ours", "----------------  ----------  ----------  ----------------------",
+        "p: a/b.obj, 5.0            -                           0.01 0.02", "p: tile, 3.4             0.5         1.5               0.01 0.02",
+        "p: a/b.obj, 3.4         0.06         1.5               0.01 0.02", "", "p: a/b.obj, 5.0: LIBSHADE: exit status 1; warnings: none",
+        "", "p: tile, 3.4: rendered; warnings: none", "", "p: a/b.obj, 3.4: rendered; warnings: a node", "", "p: a/b.obj, 3.4: not judged: noise of Cycles",
+        "", "0 of 3 within 0.05 (0.0 %); of the other 3 1 with a warning; 1 not judged"]
 
 
 def test_what_is_kept_of_them(monkeypatch):
     """Of each Blender how many, how many of them are good, the median and the worst, by name."""
     written = {}
-    monkeypatch.setattr(real_files.kept, "write", lambda name, head, columns, rows: written.update({name: rows}))
+    heads = []
+    monkeypatch.setattr(real_files.kept, "write", lambda name, head, columns, rows: (written.update({name: rows}), heads.append((head["command"], columns))))
     rows = [{**row("rendered", off), "path": f"a/{k}.obj", "blender": "3.4"} for k, off in enumerate((0.001, 0.06, 0.02, 0.04))]
     found = [*rows, {**row("CYCLES: exit status 1"), "blender": "3.4"}, {**row("rendered", 0.01), "material": "tile", "blender": "5.0"}]
     real_files.keep(found, real_files.arguments(["--results"]))
     assert written["files"] == [["3.4", 5, 4, 3, 0.03, "1.obj 0.06, 3.obj 0.04, 2.obj 0.02, 0.obj 0.001"], ["5.0", 1, 1, 1, 0.01, "tile 0.01"]]
+    assert heads == [("make compare-files FILES=\"--results\"", ["Blender", "of the list", "judged", "within 0.05", "median", "worst"])]
+    real_files.keep(found, real_files.arguments(["--results", "--filter", "obj", "--limit", "0.1", "--threads", "3"]))
+    assert heads[-1][0] == 'make compare-files FILES="--filter obj --limit 0.1 --results"' and heads[-1][1][3] == "within 0.1"
     hair = {**row("rendered", 0.03), "material": "hair_a", "path": real_files.STRANDS}
     materials.keep({True: [{**hair, "path": ""}, hair]}, materials.arguments([]))
+    assert heads[-1] == ("make compare-materials MATERIALS=--results", ["shown on", "Blender", "*Grooves Follow Bumps*", "judged", "within 0.05", "median", "worst"])
     assert written["materials"] == [[what, hair["blender"], "on", 1, 1, 0.03, "hair_a 0.03"] for what in ("ball and box", "hair")]
 
 
@@ -155,3 +172,147 @@ def test_the_first_operator_that_is_there_imports(monkeypatch, there, path, call
     else:
         with pytest.raises(SystemExit, match=f"{path}: Blender 3.4.1 imports no"):
             render.imported(path)
+
+
+# ---- how they are rendered, by programs that stand for others
+
+
+JOB = {"file": "a.blend", "material": "", "engine": "CYCLES", "size": 128, "noise": 0.01, "cap": 4096, "seconds": 30.0, "threads": 0, "added": None,
+       "grooves": False, "strands": False}
+
+
+def test_an_engine_is_asked_once(tmp_path, monkeypatch):
+    """With what is asked, and nothing of the caller's environment that changes pictures; what it said of ours is kept, a failure too."""
+    blender, stem, options = tmp_path / "blender", tmp_path / "key", real_files.arguments(["--output", str(tmp_path)])
+    monkeypatch.setattr(real_files.programs, "BLENDER", str(blender))
+    for name in ("LIBSHADE_DUMP", "BLENDER_USER_DATAFILES", "PYTHONPATH"):
+        monkeypatch.setenv(name, "/none")
+
+    def stands(text):
+        blender.write_text(f"#!/bin/sh\necho $* >>{tmp_path}/asked; env >{tmp_path}/env\n{text}\n")
+        blender.chmod(0o755)
+        return lambda row=row(""): real_files.rendered({**row, "blender": "3.4"}, "CYCLES", stem, None, "a.blend", options)
+    warns = "echo 'Warning: libshade: a node'; echo 'Error: libshade: no image'; echo 'Warning: libshade: a node'; echo 'Warning: other'"
+    told = '{"samples": 64, "noise": 0.002, "seconds": 1.5, "added": ["light"], "blender": "3.4.1"}'
+    ask = stands(f"{warns}; echo '{told}' >{stem}.json")
+    wanted = {**real_files.json.loads(told), "words": ["a node", "no image"]}
+    assert ask() == wanted == ask()
+    assert (tmp_path / "asked").read_text().splitlines() == [
+        f"-b --factory-startup --python-exit-code 9 -P {real_files.programs.HERE}/real_files_render.py -- {stem}.job"]
+    assert real_files.json.loads((tmp_path / "key.job").read_text()) == {**JOB, "output": str(stem)}
+    environment = dict(line.partition("=")[::2] for line in (tmp_path / "env").read_text().splitlines())
+    assert not {"LIBSHADE_DUMP", "BLENDER_USER_DATAFILES", "PYTHONPATH"} & set(environment)
+    assert environment["BLENDER_USER_SCRIPTS"] == real_files.programs.ADD_ON["BLENDER_USER_SCRIPTS"] and environment["BLENDER_USER_CONFIG"] == f"{tmp_path}/config"
+    (tmp_path / "key.json").write_text(told)  # without words: stopped in between
+    assert ask() == wanted and len((tmp_path / "asked").read_text().splitlines()) == 2
+    (tmp_path / "key.json").unlink()
+    assert stands("exit 11")() == {"failed": "CYCLES: exit status 11, see key.log", "words": []}
+    assert stands("exit 0")() == {"failed": "CYCLES: exit status 11, see key.log", "words": []}  # kept
+    (tmp_path / "key.json").unlink()
+    options.timeout = 0.1
+    assert stands("exec sleep 9")()["failed"] == "CYCLES: more than 0.1 s"
+    assert real_files.command_of("5.0", "x.job") == [str(real_files.BPY), f"{real_files.programs.HERE}/real_files_render.py", "--", "x.job"]
+
+
+def test_all_of_a_list(tmp_path, monkeypatch, capsys):
+    """Each in its turn; a package that cannot be had is asked for once."""
+    rows = [{**row(""), "package": package, "path": path, "material": "", "blender": "3.4"} for package, path in (("a", "1.obj"), ("gone", "2.obj"), ("gone", "3.obj"), ("a", "4.obj"))]
+    fetched = []
+
+    def root_of(source, package, version, folder):
+        fetched.append(package)
+        if package == "gone":
+            raise real_files.report.StepFailed("Fetching gone: no route\nmore")
+        return tmp_path
+
+    def path_of(_root, path):
+        if path == "4.obj":
+            raise OSError("4.obj: not in its package")
+        return path
+    monkeypatch.setattr(real_files_fetch, "root_of", root_of)
+    monkeypatch.setattr(real_files_fetch, "path_of", path_of)
+    monkeypatch.setattr(real_files, "listed", lambda pattern: rows)
+    monkeypatch.setattr(real_files, "missing", lambda options, rows: options.output.mkdir(exist_ok=True))
+    monkeypatch.setattr(real_files, "both", lambda row, options, file: {**row, **real_files.EMPTY, "state": "rendered", "difference": 0.04})
+    status = real_files.main(["--output", str(tmp_path / "out")])
+    said = capsys.readouterr()
+    assert status == 1 and fetched == ["a", "gone", "a"] and [line.rpartition(" (")[0] for line in said.err.splitlines()] == [
+        "1/4 a: 1.obj, 3.4: 0.04", "2/4 gone: 2.obj, 3.4: package: Fetching gone: no route", "3/4 gone: 3.obj, 3.4: package: Fetching gone: no route",
+        "4/4 a: 4.obj, 3.4: 4.obj: not in its package"]
+    assert said.out.splitlines()[-1] == "1 of 2 within 0.05 (50.0 %); of the other 1 0 with a warning; 2 not judged"
+    assert (tmp_path / "out/results.csv").read_text().count("\n") == 5
+    assert real_files.main(["--every", "3", "--list"]) == 0 and capsys.readouterr().out == "a: 1.obj, 3.4\na: 4.obj, 3.4\n"
+    assert real_files.main(["--count", "1", "--output", str(tmp_path / "out")]) == 0
+    rows.clear()
+    assert real_files.main([]) == 1 and capsys.readouterr().out.endswith("none matches\n")
+
+
+@pytest.mark.parametrize("versions, lacks, said", [(["3.4"], "ZIP", "make blender makes it"), (["5.0"], "BPY", "make compare-files makes it"),
+                                                   (["5.0", "3.4"], "BLENDER", "BLENDER may name it"), (["3.4"], "BPY", ""), (["5.0"], "BLENDER", "")])
+def test_what_has_to_be_there(tmp_path, monkeypatch, versions, lacks, said):
+    (tmp_path / "there").write_text("#!/bin/sh\n")
+    (tmp_path / "there").chmod(0o755)
+    for name in ("ZIP", "BPY"):
+        monkeypatch.setattr(real_files, name, tmp_path / ("none" if name == lacks else "there"))
+    monkeypatch.setattr(real_files.programs, "BLENDER", str(tmp_path / ("none" if lacks == "BLENDER" else "there")))
+    options = SimpleNamespace(output=tmp_path / "a/b")
+    ask = lambda: real_files.missing(options, [{"blender": version} for version in versions])
+    if said:
+        with pytest.raises(real_files.report.StepFailed, match=f"none: .*{said}"):
+            ask()
+    else:
+        ask()
+        assert options.output.is_dir()
+
+
+def test_pictures_side_by_side(tmp_path, monkeypatch):
+    """Cycles', ours, and what ours has more in red, less in blue."""
+    shown = []
+    monkeypatch.setattr(real_files.pictures, "write_png", lambda path, image: shown.append(image))
+    cycles, ours = np.full((4, 4, 3), 0.5), np.full((4, 4, 3), 0.5)
+    ours[0], ours[1] = 0.75, 0.25
+    real_files.show(tmp_path / "a/x.png", ours, cycles)
+    assert shown[0].shape == (4, 12, 3) and np.allclose(shown[0][:, :4], 1) and np.allclose(shown[0][0, 4:8], 1.5)
+    assert np.allclose(shown[0][0, 8:], [2, 0, -2]) and np.allclose(shown[0][1, 8:], [-2, 0, 2]) and np.allclose(shown[0][2, 8:], 0)
+
+
+# ---- packages
+
+
+@pytest.fixture
+def fetched(tmp_path, monkeypatch):
+    """Packages are "fetched" as files of these names; the commands asked for."""
+    asked = []
+
+    def step(words, command, log, folder):
+        asked.append((words, command, folder))
+        if "download" in command or "source" in command:
+            got = {"apt-get": "p.deb" if "download" in command else "p_1.orig.tar.gz"}.get(command[0], "p.whl")
+            with zipfile.ZipFile(folder / got, "w") if got == "p.whl" else tarfile.open(folder / got, "w:gz") as archive:
+                if got == "p.whl":
+                    archive.writestr("in/a.blend", "x")
+                else:
+                    for name in ("p-1/in/a.blend", "p-1/../../b.blend", "./p-1/c.blend"):
+                        archive.addfile(tarfile.TarInfo(name))
+        return ""
+    monkeypatch.setattr(real_files_fetch.report, "step", step)
+    monkeypatch.setattr(real_files_fetch, "_installed", lambda package: "1" if package == "there" else None)
+    return asked
+
+
+def test_packages_are_fetched_once(tmp_path, fetched):
+    root_of = real_files_fetch.root_of
+    assert str(root_of("deb", "there", "1", tmp_path)) == "/" and not fetched
+    wheel = root_of("pypi", "p", "1", tmp_path)
+    assert wheel == tmp_path / "p_1_pypi" and (wheel / "in/a.blend").is_file()
+    words, command, _folder = fetched.pop()
+    assert words == "Fetching p 1" and command[1:] == ["-m", "pip", "download", "-q", "--no-deps", "--only-binary", ":all:", "p==1"]
+    assert root_of("pypi", "p", "1", tmp_path) == wheel and not fetched
+    source = root_of("src", "p", "2:1", tmp_path)
+    assert source == tmp_path / "p_2_1_src" and sorted(str(path.relative_to(source)) for path in source.rglob("*.blend")) == ["c.blend", "in/a.blend"]
+    assert fetched[0][0] == "apt-get update" and fetched[1][1][-4:] == ["source", "--download-only", "--tar-only", "p=2:1"]
+    assert "Dir::Etc::sourcelist=/dev/null" in fetched[1][1] and f"Dir::State::Lists={tmp_path}/apt/lists" in fetched[1][1]
+    del fetched[:]
+    root_of("deb", "there", "2", tmp_path)  # another version than is installed
+    assert [words for words, *_ in fetched] == ["Fetching there 2", "Unpacking there"] and fetched[0][1][-2:] == ["download", "there=2"]
+    assert fetched[1][1][:2] == ["dpkg-deb", "-x"] and not (tmp_path / "part").exists()
