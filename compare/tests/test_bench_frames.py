@@ -11,7 +11,7 @@ import pytest
 import bench_frames as bench
 import programs
 
-COST = 2.2
+COST = 2.5
 
 SCENES = [bench.Scene(name, programs.ROOT / "x.py") for name in ("pan", "pan-near", "dial")]
 
@@ -204,3 +204,196 @@ def test_what_a_scene_hands_over_is_taken(tmp_path, monkeypatch):
     bpy.ops.render.render = fails
     with pytest.raises(RuntimeError, match="no camera"):
         script["take"](order)
+
+
+# ---- what it does, of renderers that others stand for
+
+
+def test_what_scenes_are():
+    """The plate and the rooms by their orders, POV-Ray's without samples; views of a scene are scenes of their own."""
+    scenes = {scene.name: scene for scene in bench.blender_scenes() + bench.povray_scenes()}
+    sky, normals = (str(bench.FRAMES / f"{name}.exr") for name in ("sky", "normals"))
+    plate = {"engine": "LIBSHADE", "output": "", "surface": "bumped", "detail": "rotate", "size": 512, "samples": 64, "quads": 1, "repeat": 1}
+    room = {"engine": "LIBSHADE", "output": "", "size": 256, "samples": 16, "seed": 0}
+    assert bench.ORDERS == {"plate": {"normal_map": normals, "result": "", "jobs": [plate]}, "plate-unfiltered": {"normal_map": normals, "result": "", "jobs": [plate]},
+                            "plate-sky": {"normal_map": normals, "result": "", "jobs": [{**plate, "size": 256, "samples": 16, "sky": sky}]},
+                            "studio": {"sky": sky, "result": "", "jobs": [{**room, "scene": "studio"}]}, "room": {"sky": sky, "result": "", "jobs": [{**room, "scene": "room"}]}}
+    said = {name: (scenes[name].script.name, scenes[name].samples, scenes[name].percentage, dict(scenes[name].settings)) for name in bench.ORDERS}
+    assert said == {"plate": ("plate_render.py", 64, 100, {"filter_normals": True}), "plate-unfiltered": ("plate_render.py", 64, 100, {"filter_normals": False}),
+                    "plate-sky": ("plate_render.py", 16, 100, {"filter_normals": True}), "studio": ("paths_render.py", 16, 100, {}), "room": ("paths_render.py", 16, 100, {})}
+    assert {scene.samples for name, scene in scenes.items() if name.startswith("povray-")} == {0} and scenes["pan"].samples == 16 and scenes["pan"].percentage == 25
+    assert scenes["jacket-near"].arguments == (str(bench.FRAMES / "jacket.blend"), "near") and scenes["jacket"].arguments == (str(bench.FRAMES / "jacket.blend"),)
+    assert scenes["povray-metals"].script.name == "metals.pov" and scenes["plate"].arguments == (str(bench.FRAMES / "plate.json"),)
+    side = bench.Side(programs.ROOT / "x", programs.ROOT / "y")
+    assert (side.file(scenes["pan"]), side.povray, side.add_on) == (programs.ROOT / "y/pan.pickle", programs.ROOT / "x/build/povray/povray",
+                                                                   programs.ROOT / "x/build/blender/addons/libshade")
+
+
+def test_a_build_of_a_commit_is_made_once(tmp_path, monkeypatch):
+    """Of its own files, with what was fetched for POV-Ray; a make that fails leaves nothing that looks built."""
+    steps = []
+    monkeypatch.setattr(bench, "BEFORE", tmp_path / "before")
+    monkeypatch.setattr(bench, "goals", lambda root: [root.name])
+    monkeypatch.setattr(bench.programs, "BUILD", tmp_path / "build")
+    monkeypatch.setattr(bench.os, "cpu_count", lambda: 5)
+    (tmp_path / "build/povray/download").mkdir(parents=True)
+    (tmp_path / "build/povray/download/povray.tar.gz").touch()
+    commit = "1234abcd"
+
+    def run(words, input=None, **_options):
+        words = [str(word) for word in words]
+        if words[0] == "tar":
+            assert input == f"of {commit}".encode()
+            (tmp_path / "before" / commit / "Makefile").touch()
+        return Of(returncode=int(words[-1].startswith("none")), stdout=f"{commit}\n" if "rev-parse" in words else f"of {words[-1]}".encode())
+    monkeypatch.setattr(bench.subprocess, "run", run)
+    monkeypatch.setattr(bench.programs, "ROOT", tmp_path)
+    monkeypatch.setattr(bench.report, "step", lambda *words: steps.append(words))
+    root = tmp_path / "before" / commit
+    for _ in range(2):
+        assert bench.before("v1") == bench.Side(root, root / "frames")
+    assert steps == [(f"Building v1 in before/{commit} (minutes)", ["make", "-j5", commit], root / "built.log", bench.NOT_FROM_MAKE, root)]
+    assert (root / "build/povray/download/povray.tar.gz").exists() and (root / "built").exists() and (root / "Makefile").exists()
+    with pytest.raises(bench.Failed, match=f"none: no commit of {tmp_path}"):
+        bench.before("none")
+    commit = "5678"
+    monkeypatch.setattr(bench.report, "step", lambda *words: (_ for _ in ()).throw(bench.report.StepFailed("no compiler")))
+    with pytest.raises(bench.report.StepFailed):
+        bench.before("v2")
+    assert not (tmp_path / "before/5678/built").exists()
+
+
+def test_scenes_are_exported_once(tmp_path, monkeypatch):
+    """By the add-on of each build; where both have the same Python, one's are the other's."""
+    orders, made_of = [], {"old": "a", "new": "b"}
+    monkeypatch.setattr(bench, "made_from", lambda side, scene: f"{made_of[side.root.name]} {scene.name}")
+    monkeypatch.setattr(bench.os, "cpu_count", lambda: 2)
+
+    def step(text, command, log, environment):
+        order = bench.json.loads(bench.Path(command[-1]).read_text())
+        orders.append((text.rpartition("/")[2], environment["BLENDER_USER_SCRIPTS"].partition("/build")[0].rpartition("/")[2], [bench.Path(of["output"]).name for of in order]))
+        for of in order:
+            assert (of["percentage"], of["samples"], of["settings"], of["script"]) == (25, 16, {}, str(programs.ROOT / "x.py"))
+            bench.Path(of["output"]).write_text("made")
+    monkeypatch.setattr(bench.report, "step", step)
+    sides = [bench.Side(tmp_path / name, tmp_path / name / "frames") for name in ("old", "new")]
+    bench.export(sides, SCENES)
+    both = [["pan.pickle", "dial.pickle"], ["pan-near.pickle"]]
+    assert sorted(orders) == sorted((side, side, files) for side in ("old", "new") for files in both)
+    del orders[:]
+    bench.export(sides, SCENES)
+    assert not orders
+    made_of.update(old="c", new="c")
+    bench.export(sides, SCENES)
+    assert sorted(orders) == sorted(("old", "old", files) for files in both)
+    assert all(bench.kept(side, scene) == f"c {scene.name}" for side in sides for scene in SCENES)
+
+
+def test_a_pair_of_each_renderer(tmp_path, monkeypatch):
+    """Which is first by turns; POV-Ray's size by its scene, one thread, the picture as a file of floats."""
+    asked = []
+    monkeypatch.setattr(bench, "FRAMES", tmp_path)
+    monkeypatch.setenv("LIBSHADE_TIMINGS", "1")
+
+    def said_by(command, **options):
+        asked.append([str(word) for word in command])
+        assert "LIBSHADE_TIMINGS" not in options["env"] and options["env"]["MALLOC_MMAP_THRESHOLD_"] == options["env"]["MALLOC_TRIM_THRESHOLD_"] == "131072"
+        return Of(stdout='{"seconds": [[1, 3], [2, 6]], "differences": [0.5, 0.25]}', stderr=f"Render Time:\n with {len(asked)}.5 CPU-seconds total\n")
+    monkeypatch.setattr(bench, "said_by", said_by)
+    monkeypatch.setattr(bench.pictures, "read", lambda path: np.full((2, 2, 3), {"0.exr": 1.0, "1.exr": 1.5}[path.name.rpartition("-")[2]]))
+    old, new = (bench.Side(tmp_path / name, tmp_path / name) for name in ("old", "new"))
+    for swapped, first in ((False, "A"), (True, "B")):
+        assert bench.pair_of(SCENES[0], (old, new), swapped) == ((2, 4), .5, .25)
+        assert asked.pop() == [sys.executable, str(programs.HERE / "bench_frames_turns.py"), str(old.add_on), str(old.file(SCENES[0])), str(new.add_on),
+                               str(new.file(SCENES[0])), "--first", first]
+    scene = bench.Scene("povray-cloth", tmp_path / "cloth.pov", (), 0)
+    assert bench.pair_of(scene, (old, new), False) == ((1.5, 2.5), .5, .5) and [words[0] for words in asked] == [str(old.povray), str(new.povray)]
+    assert asked[0][1:] == [f"+I{tmp_path}/cloth.pov", f"+L{tmp_path}", f"+L{tmp_path}/povray", f"+O{tmp_path}/povray-cloth-0.exr", "+FE", "+W64", "+H36", "-A", "+WT1", "-D"]
+    del asked[:]
+    assert bench.pair_of(scene._replace(script=tmp_path / "other.pov"), (old, new), True) == ((2.5, 1.5), .5, .5)
+    assert [words[0] for words in asked] == [str(new.povray), str(old.povray)] and asked[0][6:8] == ["+W128", "+H72"]
+
+
+def test_a_program_that_fails_says_its_last_words(tmp_path):
+    failing = tmp_path / "povray"
+    failing.write_text("#!/bin/sh\nfor k in 1 2 3 4 5 6 7; do echo line $k >&2; done\nexit 4\n")
+    failing.chmod(0o755)
+    with pytest.raises(bench.Failed) as wrong:
+        bench.said_by([failing])
+    assert str(wrong.value).splitlines() == [f"{failing}: status 4", *(f"line {k}" for k in range(2, 8))]
+
+
+def test_same_builds(tmp_path):
+    sides = [bench.Side(tmp_path / name, tmp_path) for name in ("old", "new")]
+    native, povray = "build/blender/addons/libshade/_native.abi3.so", "build/povray/src/unix/povray"
+    for side in sides:
+        for file in (native, povray):
+            (side.root / file).parent.mkdir(parents=True, exist_ok=True)
+            (side.root / file).write_text("a" if file == native else side.root.name)
+    blenders, both = SCENES[:1], [*SCENES[:1], bench.Scene("povray-x", tmp_path, (), 0)]
+    assert bench.same_builds(sides, blenders) and not bench.same_builds(sides, both) and not bench.same_builds(sides, both[1:])
+
+
+@pytest.mark.parametrize("ratios, wrong, status", [((1.0, 1.0), None, 0), ((1.0, 1.1), None, 1), ((1.1, 1.0), KeyboardInterrupt(), 130), ((1.0, 1.0), bench.Failed("no more"), 2)])
+def test_what_is_told_at_the_end(tmp_path, monkeypatch, capsys, ratios, wrong, status):
+    """Also of what was measured before it broke off."""
+    monkeypatch.setattr(bench, "blender_scenes", lambda: SCENES[1:])
+    monkeypatch.setattr(bench, "povray_scenes", list)
+    monkeypatch.setattr(bench, "before", lambda word: bench.Side(tmp_path / word, tmp_path))
+    for name in ("prepare", "export"):
+        monkeypatch.setattr(bench, name, lambda *_words: None)
+    monkeypatch.setattr(bench, "same_builds", lambda *_words: False)
+    of = dict(zip(("pan-near", "dial"), ratios))
+    monkeypatch.setattr(bench, "pair_of", lambda scene, _sides, _swapped: ((2.0, 2 * of[scene.name]), 0.0, 0.0))
+    if wrong:
+        turns = iter(range(5))
+        measure = bench.pair_of
+        monkeypatch.setattr(bench, "pair_of", lambda *words: measure(*words) if next(turns) < 4 else (_ for _ in ()).throw(wrong))
+    assert bench.main(["v1", "-o", str(tmp_path / "out.csv")]) == status
+    said = capsys.readouterr()
+    assert said.out.splitlines()[2].split()[:5] == ["pan-near", f"{ratios[0]:.3f}", f"{ratios[0]:.3f}", "to", f"{ratios[0]:.3f}"]
+    assert said.out.splitlines()[0].split("  ")[0] == "scene" and said.out.splitlines()[4:6] == ["", f"Median of 2 scenes {sum(ratios) / 2:.3f}, 1.000 to {max(ratios):.3f}."]
+    head, first, _second = (tmp_path / "out.csv").read_text().splitlines()
+    assert head == "scene,pairs,ratio,low,high,seconds_before,seconds_after,largest_difference,mean_difference"
+    assert first.split(",")[:2] == ["pan-near", "2" if wrong else "3"] and float(first.split(",")[6]) == pytest.approx(2 * ratios[0])
+    told = {0: [], 1: [], 130: ["bench_frames.py: broken off"], 2: ["bench_frames.py: no more"]}[status]
+    assert said.err.splitlines()[4 if wrong else 6:] == told
+    assert said.err.splitlines()[0].split("min")[1] == f"  pair 1  pan-near             {ratios[0]:.3f} ({ratios[0]:.3f} to {ratios[0]:.3f})"
+
+
+def test_builds_take_turns_at_frames(tmp_path, monkeypatch, capsys):
+    """Of one scene in one process: as many frames as take half a second, one build first, then the other."""
+    import bench_frames_turns as turns
+    done, clock = [], [0.0]
+
+    def module(folder):
+        def start(scene):
+            done.append(("start", folder))
+            return Of(scene=scene)
+
+        def look(job, view):
+            assert view == {name: job.scene[name] for name in ("width", "height", "region", "samples", "camera")}
+            clock[0] += {"a": .1, "b": .08}[folder]
+            done.append(("look", folder))
+            return job
+
+        def image(_job, pixels):
+            pixels.reshape(-1, 4)[:] = [{"a": 1, "b": 1.5}[folder]] * 3 + [9]
+        return Of(start=start, look=look, wait=lambda *_job: None, poll=lambda _job: {"state": "done", "message": ""}, image=image)
+    monkeypatch.setattr(turns.importlib.util, "spec_from_file_location", lambda _name, path: Of(path=path, loader=Of(exec_module=lambda _module: None)))
+    monkeypatch.setattr(turns.importlib.util, "module_from_spec", lambda spec: module(spec.path.split("/")[0]))
+    monkeypatch.setattr(turns.time, "process_time", lambda: clock[0])
+    scene = {"width": 4, "height": 4, "region": (1, 0, 3, 4), "samples": 16, "camera": "c", "more": 1}
+    (tmp_path / "s").write_bytes(pickle.dumps(scene))
+    for first, other in (("A", "B"), ("B", "A")):
+        done.clear()
+        monkeypatch.setattr(sys, "argv", ["turns", "a", str(tmp_path / "s"), "b", str(tmp_path / "s"), "--first", first])
+        turns.main()
+        found = turns.json.loads(capsys.readouterr().out)
+        assert found["seconds"] == [pytest.approx([.1] * 4), pytest.approx([.08] * 4)] and found["differences"] == [.5, .5]
+        f, o = first.lower(), other.lower()
+        assert done == [("start", f), ("start", o), *(("look", side) for side in (f, o, f, o, o, f, f, o, o, f))]
+    monkeypatch.setattr(turns.importlib.util, "module_from_spec", lambda spec: Of(start=lambda _scene: 1, wait=lambda *_job: None,
+                                                                                 poll=lambda _job: {"state": "failed", "message": "no memory"}))
+    with pytest.raises(SystemExit, match="failed: no memory"):
+        turns.main()

@@ -5,7 +5,6 @@ import sys
 import tarfile
 import zipfile
 from types import ModuleType, SimpleNamespace
-from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -134,6 +133,31 @@ def test_only_noise_of_cycles_excuses(tmp_path, monkeypatch):
     assert list(states.values()) == ["rendered", "noise of Cycles", "rendered", "noise of Cycles"]
 
 
+def in_blender(monkeypatch, bpy, enabled):
+    """real_files_render.py, with what stands for Blender; which add-ons it enables."""
+    for name, module in (("bpy", bpy), ("mathutils", SimpleNamespace(Vector=Vector)), ("addon_utils", SimpleNamespace(enable=enabled.append))):
+        monkeypatch.setitem(sys.modules, name, module)
+    monkeypatch.delitem(sys.modules, "real_files_render", raising=False)
+    render = importlib.import_module("real_files_render")
+    monkeypatch.delitem(sys.modules, "real_files_render")
+    return render
+
+
+class Vector(np.ndarray):
+    def __new__(cls, values):
+        return np.array(list(values), float).view(cls)
+
+    @property
+    def length(self):
+        return float(np.linalg.norm(self))
+
+    def normalized(self):
+        return self / self.length
+
+    def to_track_quat(self, track, up):
+        return SimpleNamespace(to_euler=lambda: (track, up, self))
+
+
 @pytest.mark.parametrize("there, path, called", [
     (["wm.obj_import"], "a.OBJ", "wm.obj_import"), (["import_mesh.stl"], "a.stl", "import_mesh.stl"),
     (["wm.stl_import", "import_mesh.stl"], "a.stl", "wm.stl_import"), (["import_scene.x3d"], "a.wrl", "import_scene.x3d"),
@@ -161,17 +185,136 @@ def test_the_first_operator_that_is_there_imports(monkeypatch, there, path, call
     enabled = []
     bpy = ModuleType("bpy")
     bpy.ops, bpy.app = All(), SimpleNamespace(version_string="3.4.1")
-    for name, module in (("bpy", bpy), ("mathutils", MagicMock()), ("addon_utils", SimpleNamespace(enable=enabled.append))):
-        monkeypatch.setitem(sys.modules, name, module)
-    monkeypatch.delitem(sys.modules, "real_files_render", raising=False)
-    render = importlib.import_module("real_files_render")
-    monkeypatch.delitem(sys.modules, "real_files_render")
+    render = in_blender(monkeypatch, bpy, enabled)
     if called:
         render.imported(path)
         assert asked == [called] and bool(enabled) == (not called.startswith("wm."))
     else:
         with pytest.raises(SystemExit, match=f"{path}: Blender 3.4.1 imports no"):
             render.imported(path)
+
+
+FLAGS = ("use_border", "use_compositing", "use_sequencer", "use_freestyle", "use_multiview", "use_stamp", "use_file_extension", "use_persistent_data")
+AS_ARTISTS_GET_IT = {  # of Blender's factory settings, but for what makes two pictures differ by chance
+    "max_bounces": 12, "diffuse_bounces": 4, "glossy_bounces": 4, "transmission_bounces": 12, "transparent_max_bounces": 8, "sample_clamp_direct": 0, "sample_clamp_indirect": 10,
+    "light_sampling_threshold": .01, "blur_glossy": 1, "caustics_reflective": True, "caustics_refractive": True, "use_adaptive_sampling": False, "use_denoising": False,
+    "pixel_filter_type": "BLACKMAN_HARRIS", "filter_width": 1.5, "device": "CPU", "use_progressive_refine": False, "time_limit": 0}
+OURS = {"texture_blur": 0, "filter_normals": False}
+
+
+def scene_of(**more):
+    frame = SimpleNamespace(resolution_x=1920, resolution_y=1080, image_settings=SimpleNamespace(), **dict.fromkeys(FLAGS, True))
+    empty = lambda names: SimpleNamespace(**dict.fromkeys(names))
+    return SimpleNamespace(render=frame, cycles=empty(AS_ARTISTS_GET_IT), libshade=empty((*AS_ARTISTS_GET_IT, *OURS, "groove_transport")), **more)
+
+
+@pytest.mark.parametrize("engine, grooves", [("CYCLES", False), ("LIBSHADE", False), ("LIBSHADE", True)])
+def test_settings_of_a_render(monkeypatch, engine, grooves):
+    """As artists get it; the longer side as asked, both in fours."""
+    bpy = ModuleType("bpy")
+    scene = scene_of()
+    bpy.context, bpy.app = SimpleNamespace(scene=scene), SimpleNamespace(version=(3, 4))
+    render = in_blender(monkeypatch, bpy, [])
+    settings = render.set_render({**JOB, "engine": engine, "grooves": grooves})
+    assert vars(settings) == {**AS_ARTISTS_GET_IT, **({**OURS, "groove_transport": grooves} if engine == "LIBSHADE" else {})}
+    frame = scene.render
+    assert (frame.engine, frame.resolution_x, frame.resolution_y, frame.resolution_percentage) == (engine, 128, 72, 100)
+    assert not any(getattr(frame, name) for name in FLAGS) and frame.use_single_layer is True and not hasattr(frame, "threads")
+    assert vars(frame.image_settings) == {"file_format": "OPEN_EXR", "color_mode": "RGBA", "color_depth": "32"}
+    frame.resolution_x, frame.resolution_y, frame.image_settings.media_type = 30, 3000, "VIDEO"
+    render.set_render({**JOB, "threads": 3})
+    assert (frame.threads_mode, frame.threads, frame.resolution_x, frame.resolution_y, frame.image_settings.media_type) == ("FIXED", 3, 16, 128, "IMAGE")
+
+
+def test_what_a_file_lacks_is_added(monkeypatch):
+    """A camera that frames all that is rendered, a sun and a grey world, where there is none or nothing is lit."""
+    bpy, links = ModuleType("bpy"), []
+    light = SimpleNamespace(type="LIGHT", hide_render=False)
+    box = lambda hidden=False, kind="MESH": SimpleNamespace(type=kind, hide_render=hidden, matrix_world=Moved(), evaluated_get=lambda _graph: SimpleNamespace(
+        bound_box=[(0, 0, 0), (2, 2, 1)]))
+
+    class Moved:
+        def __matmul__(self, at):
+            return at + (1, 0, 0)
+    background = SimpleNamespace(type="BACKGROUND", inputs={"Color": SimpleNamespace(default_value=None)})
+    new_world = SimpleNamespace(node_tree=SimpleNamespace(nodes=[SimpleNamespace(type="OUTPUT"), background]))
+    made = lambda name, *kind: SimpleNamespace(name=name, kind=kind)
+    collection = SimpleNamespace(objects=SimpleNamespace(link=links.append))
+    scene = SimpleNamespace(camera=None, world=None, objects=[box(), box(hidden=True), box(kind="EMPTY")], collection=collection)
+    bpy.context = SimpleNamespace(scene=scene, evaluated_depsgraph_get=lambda: None)
+    bpy.data = SimpleNamespace(cameras=SimpleNamespace(new=made), lights=SimpleNamespace(new=made), worlds=SimpleNamespace(new=lambda _name: new_world),
+                               objects=SimpleNamespace(new=lambda name, data: SimpleNamespace(data=data)))
+    bpy.app = SimpleNamespace(version=(3, 4))
+    render = in_blender(monkeypatch, bpy, [])
+    black, grey = (SimpleNamespace(use_nodes=nodes, color=(value,) * 3) for nodes, value in ((False, 0), (False, .1)))
+    shown = SimpleNamespace(use_nodes=True, color=(0, 0, 0))
+    for world, objects, is_dark in ((None, [], True), (black, [], True), (grey, [], False), (shown, [], False), (None, [light], False),
+                                    (None, [SimpleNamespace(type="LIGHT", hide_render=True)], True)):
+        scene.world, scene.objects = world, objects
+        assert render.dark() == is_dark
+    assert [tuple(corner) for corner in render.corners()] == [(-1, -1, -1), (1, 1, 1)]  # of nothing
+    scene.objects = [box(), box(hidden=True), box(kind="EMPTY")]
+    assert render.complete(None) == ["camera", "light"] and [ob.data.name for ob in links] == ["added", "added"]
+    camera, sun = links
+    radius = 1.5  # of the box from (1, 0, 0) to (3, 2, 1)
+    towards = np.array([.5, -1, .6]) / np.sqrt(1.61)
+    assert np.allclose(camera.location, np.array([2, 1, .5]) + towards * radius * 2.9) and scene.camera is camera
+    assert camera.rotation_euler[:2] == ("Z", "Y") and np.allclose(camera.rotation_euler[2], towards)
+    assert (camera.data.lens, camera.data.clip_start, camera.data.clip_end) == (50, pytest.approx(.0015), 150)
+    assert (sun.data.kind, sun.data.energy, sun.data.angle, sun.rotation_euler) == (("SUN",), 3, .1, (.6, .2, .9))
+    assert scene.world is new_world and new_world.use_nodes and background.inputs["Color"].default_value == (.4, .4, .4, 1)
+    del links[:]
+    assert render.complete(None) == []
+    scene.world = None
+    assert render.complete(None) == ["light"] and render.complete(["camera"]) == ["camera"] and render.complete([]) == [] and len(links) == 2
+
+
+def test_samples_are_raised_until_seeds_agree(tmp_path, monkeypatch):
+    """By what the noise asks for, to the cap, or as long as a picture may take; what is dark gets a camera of ours, then light."""
+    bpy = ModuleType("bpy")
+    bpy.context = SimpleNamespace(preferences=SimpleNamespace(filepaths=SimpleNamespace()), scene=None)
+    bpy.app = SimpleNamespace(version_string="3.4.1")
+    enabled = []
+    render = in_blender(monkeypatch, bpy, enabled)
+
+    class Ended(Exception):
+        pass
+
+    def end(status):
+        raise Ended(status)
+    monkeypatch.setattr(render.os, "_exit", end)
+    for name, given in (("opened", None), ("complete", []), ("corners", []), ("add_camera", None), ("add_light", None), ("set_render", "settings")):
+        monkeypatch.setattr(render, name, lambda *words, name=name, given=given: asked.append(name) or (list(given) if given == [] else given))
+
+    def run(noise_of, seconds_of=lambda _samples: 1.0, seen=lambda _asked: 1.0, **job):
+        del asked[:], counts[:]
+
+        def pair(_job, _settings, samples):
+            counts.append(samples)
+            bright = seen(asked)
+            return np.array([[bright, 2 * bright]]), noise_of(samples), seconds_of(samples)
+        monkeypatch.setattr(render, "pair", pair)
+        (tmp_path / "job").write_text(render.json.dumps({**JOB, "output": str(tmp_path / "key"), **job}))
+        with pytest.raises(Ended) as end:
+            render.main(str(tmp_path / "job"))
+        assert end.value.args == (0,) and asked[0] == "opened"
+        return counts[:], render.json.loads((tmp_path / "key.json").read_text())
+    asked, counts = [], []
+    noisy = lambda of: lambda samples: of / samples**.5
+    assert run(noisy(.08)) == ([64], {"samples": 64, "noise": .01, "seconds": 1, "added": [], "blender": "3.4.1"})
+    assert bpy.context.preferences.filepaths.use_scripts_auto_execute is False and not enabled
+    assert run(noisy(.16), engine="LIBSHADE")[0] == [64, 307] and enabled == ["libshade"]  # four times as many, and a fifth more
+    assert run(noisy(8))[0] == [64, 1024, 4096]  # sixteen times at most; the cap
+    assert run(noisy(8), cap=100)[0] == [64, 100] and run(noisy(8), cap=80)[0] == [64]
+    assert run(noisy(8), seconds_of=lambda samples: samples / 10)[0] == [64, 300]  # thirty seconds
+    assert run(noisy(.0801))[0] == [64, 96]  # half as many more, at least
+    dark = lambda until: lambda asked: 1.0 if until in asked else 0.0
+    assert run(noisy(.01), seen=dark("add_camera")) == ([64, 64], {"samples": 64, "noise": .00125, "seconds": 1, "added": ["camera"], "blender": "3.4.1"})
+    assert run(noisy(.01), seen=dark("add_light"))[1]["added"] == ["camera", "light"] and asked[-3:] == ["corners", "add_camera", "add_light"]
+    assert run(noisy(.01), seen=dark("add_light"), added=[])[0] == [64]
+    assert render.apart(np.ones((8, 8, 3)), np.full((8, 8, 3), 3.0)) == 1 and render.apart(*np.zeros((2, 8, 8, 3))) == 0
+    checks = np.indices((8, 8)).sum(0)[..., None] % 2 * np.ones(3)
+    assert render.apart(checks, 1 - checks) == 0  # of means
 
 
 # ---- how they are rendered, by programs that stand for others
