@@ -63,7 +63,8 @@ def needs(file):
         for names in re.findall(r"^ *import ([\w., ]+)", text, re.M):
             for name in re.split(r"[, ]+", names):
                 for place in (folder, *PACKAGES):
-                    found |= _there(f"{place}{name.replace('.', '/')}.py")
+                    path = place + name.replace(".", "/")
+                    found |= _there(f"{path}.py") | _there(f"{path}/__init__.py")
         for name in re.findall(r"[\"']([\w/-]+\.(?:py|sh|mk))[\"']", text):  # scripts that are started
             for place in (folder, f"{folder}inside/", "", "setup/", folder.rstrip("/").rpartition("/")[0] + "/"):
                 found |= _there(place + name)

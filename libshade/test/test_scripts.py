@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import types
@@ -176,12 +177,15 @@ $ c a
 """
 
 
+NOT_COPIED = ("sanitized", "threads", "clang", "fuzz", "demo", "compare", "pytest-cache")
+
+
 def test_mistakes_are_planted_and_judged(house):
     """In a copy, one at a time; the tree stays as it is."""
     part = "one good\ntwo good\nthree good\nfour good\nand more\nfive good\nsix good\n"
     root = house("mutants.py", "reach.py", "costs.py", files={
         "setup/mutants.txt": LIST, "setup/mutants-once-missed.txt": "# none\n", "setup/mutants-noticed.txt": "# old\ngone -> gone\tx::y\n", "Makefile": MAKEFILE, "part.txt": part,
-        ".gitignore": "build/\n", "build/venv/bin/python": PYTEST, "build/shade": "#!/bin/sh\necho 'shade 1 (avx2)'\n", "build/fuzz/large": "",
+        ".gitignore": "build/\n", "build/venv/bin/python": PYTEST, "build/shade": "#!/bin/sh\necho 'shade 1 (avx2)'\n", **{f"build/{name}/large": "" for name in NOT_COPIED},
         **{f"build/obj/src/isa_{name}_float": "" for name in ("scalar", "sse2", "avx2", "avx512")}})
     script = root / "setup/mutants.py"
     script.write_text(script.read_text().replace("SECONDS = 300", "SECONDS = 1"))
@@ -203,7 +207,7 @@ def test_mistakes_are_planted_and_judged(house):
     assert done.returncode == 1 and re.search(r"^4 of 6 noticed \(1 stale\), \d+ s$", done.stdout, re.M)
     copy = root / "build/mutants"
     assert (copy / "part.txt").read_text() == (root / "part.txt").read_text() == part
-    assert (copy / "build/venv").resolve() == (root / "build/venv").resolve() and not (copy / "build/fuzz").exists()
+    assert (copy / "build/venv").resolve() == (root / "build/venv").resolve() and not any((copy / "build" / name).exists() for name in (*NOT_COPIED, "mutants"))
     assert (copy / "build/povray/configured").read_text() == f"in {copy}/build\n"
     assert set((copy / "build/made.txt").read_text().splitlines()) == {"-O1  -Werror avx512 sse2"}
     done = mutants("--only", "one", "--table", "--work", root / "build/other", "--no-baseline")
@@ -212,7 +216,8 @@ def test_mistakes_are_planted_and_judged(house):
     assert told[2:] == ["part.txt: one good -> one bad\tcompare/tests/test_x.py::test_that"] and told[0].endswith("Apache-2.0")
     (root / "part.txt").write_text(part + "bad\n")
     done = mutants("--only", "one")
-    assert done.returncode == 1 and done.stdout == "" and "without any mistake `py compare/tests/test_x.py` fails" in done.stderr
+    assert done.returncode == 1 and done.stdout == ""
+    assert done.stderr == f"error: without any mistake `py compare/tests/test_x.py` fails; see {copy}/build/mutant.log\n"
 
 
 @pytest.mark.parametrize("text, said", [("a.txt\nx\n", ":2: a line begins with '- ', '+ ' or '$ ', this one does not"), ("# of\n\na.txt\n+ x\n", ":3: needs lines that begin with '- '"),
@@ -221,6 +226,29 @@ def test_lists_that_cannot_be_read(house, text, said):
     root = house("mutants.py", "reach.py", "costs.py", files={} if text is None else {"list.txt": text})
     done = run(sys.executable, root / "setup/mutants.py", "--list", root / "list.txt", "--stale")
     assert done.returncode == 2 and said in done.stderr and "Traceback" not in done.stderr
+
+
+def test_what_a_line_of_tests_runs(monkeypatch):
+    """Goals of make, then a command, which stops at the first that fails unless all are wanted; what a log names."""
+    monkeypatch.syspath_prepend(ROOT / "setup")
+    spec = importlib.util.spec_from_file_location("mutants_of_setup", ROOT / "setup/mutants.py")
+    mutants = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "mutants_of_setup", mutants)
+    spec.loader.exec_module(mutants)
+    old = "-o build/blender/addons/libshade/assets/blender_assets.cats.txt -o build/blender/addons/libshade/manual/index.html"
+    for kind, goals in {"py": "all build/horizon build/displaced build/bumps build/plain.so", "blender": f"all {old} native blender", "zip": "all blender",
+                        "povray": "all povray"}.items():
+        made, words = mutants.command(f"{kind} a/test_b.py -k 'one or two'")
+        assert made == goals.split() and words == ["sh", "-c", "build/venv/bin/python -m pytest -q -x -p no:cacheprovider a/test_b.py -k 'one or two'"]
+    assert " -x " not in mutants.command("py a.py", True)[1][2]
+    for whole, end in ((False, "exit 1"), (True, "failed=1")):
+        made, words = mutants.command("c bsdf isa", whole)
+        assert made == ["build/test/bsdf", "build/test/isa"] and words[2].splitlines() == [
+            "failed=0", *(f"build/test/{name} || {{ echo FAILED libshade/test/test_{name}.c::main; {end}; }}" for name in ("bsdf", "isa")), "exit $failed"]
+    log = "[  FAILED  ] tests: of_c\nFAILED b/test_b.py::test_two[a-1] - x\nERROR b/test_b.py::test_one\nFAILED a/test_a.py::test_z - y\nFAILED b/test_b.py::test_two[b]\n"
+    assert mutants.failed(log) == "of_c" and mutants.failed(log.split("\n", 1)[1]) == "test_two[a-1]" and mutants.failed("[  FAILED  ] alone") == "alone" and mutants.failed("") == ""
+    assert mutants.all_failed(log) == ["a/test_a.py::test_z", "b/test_b.py::test_one", "b/test_b.py::test_two"]
+    assert (mutants.SECONDS, mutants.ENOUGH) == (300, .9) and mutants.Mutant(1, "a.c", "  x\ny", "", []).title() == "a.c: x -> (left out)"
 
 
 def test_which_tests_reach_a_file(house):
@@ -233,20 +261,27 @@ def test_which_tests_reach_a_file(house):
         "blender_addon_c/tests/test_blender_e.py": 'COST = 9\nALONE = {"test_b": 5}\ndef test_b(blender): pass\n', "blender_addon_c/tests/test_native_n.py": "from native_scenes import native\nCOST = 4\n",
         "povray_patches/series": "", "povray_patches/glue/g.cpp": "", "povray_patches/tests/test_p.py": "COST = .5\ndef test_p(povray): pass\n", "Makefile": "",
         "compare/tests/test_make.py": 'COST = 8\nrun(["make"])\nimport judge\nfrom conftest import thing\n', "compare/tests/conftest.py": "import deep\n",
+        "blender_addon_c/tests/inside/scenes.py": "import parts\n", "blender_addon_c/tests/parts.py": "", "libshade/python/mod/__init__.py": "from ._inner import thing\n",
+        "libshade/python/mod/_inner.py": "from .deeper import (one, two)\n", "libshade/python/mod/deeper/__init__.py": "", "libshade/python/mod/deeper/two.py": "from .. import up\n",
+        "libshade/python/mod/up.py": "", "libshade/test/test_mod.py": "COST = 6\nimport mod\n", "blender_addon_c/tests/test_blender_s.py": "COST = 5\nbpy = run.scene('pan')\n",
+        "notes/series.txt": "", "setup/a.mk": "", "compare/displaced/d.c": "", "farm/tests/odd.py": "", "compare/tests/test_disp.py": "COST = 4\nimport displacement\n",
         "farm/tests/conftest.py": "", "farm/tests/test_farm.py": 'COST = 7\nfrom conftest import thing\nrun("started.py")\n', "farm/started.py": ""})
     git(root)
-    for file, wanted in {
+    reached = {
             "libshade/include/shade/a.h": ["c a"], "libshade/src/a.c": ["c a"], "libshade/src/inner.c": ["c a"], "libshade/tool/eval.c": ["py libshade/test/test_tool.py"],
             "setup/some.sh": ["py libshade/test/test_tool.py"], "compare/deep.py": ["py compare/tests/test_judge.py", "py compare/tests/test_make.py"],
             "blender_addon_c/export/f.py": ["blender blender_addon_c/tests/test_blender_e.py"], "blender_addon_c/native/node/n.h": [f"blender blender_addon_c/tests/test_{name}.py" for name in ("native_n", "blender_e")],
             "povray_patches/0001-x.patch": ["povray povray_patches/tests/test_p.py"], "build/povray/src/x.cpp": ["povray povray_patches/tests/test_p.py"],
             "povray_patches/glue/g.cpp": ["povray povray_patches/tests/test_p.py"], "Makefile": ["py compare/tests/test_make.py"],
-            "farm/tests/conftest.py": ["py farm/tests/test_farm.py"], "farm/started.py": ["py farm/tests/test_farm.py"]}.items():
-        done = run(sys.executable, root / "setup/reach.py", file)
-        assert done.stdout.splitlines() == [file, *(f"$ {test}" for test in wanted)], file
+            "blender_addon_c/tests/parts.py": ["blender blender_addon_c/tests/test_blender_s.py"], "setup/a.mk": ["py compare/tests/test_make.py"], "notes/series.txt": [],
+            "compare/displaced/d.c": ["py compare/tests/test_disp.py"], "farm/tests/odd.py": [],
+            **{f"libshade/python/mod/{name}.py": ["py libshade/test/test_mod.py"] for name in ("__init__", "_inner", "deeper/__init__", "deeper/two", "up")},
+            "farm/tests/conftest.py": ["py farm/tests/test_farm.py"], "farm/started.py": ["py farm/tests/test_farm.py"]}
+    done = run(sys.executable, root / "setup/reach.py", *reached)
+    assert done.stdout.splitlines() == [line for file, wanted in reached.items() for line in (file, *(f"$ {test}" for test in wanted))]
     (root / "setup/mutants-noticed.txt").write_text("# head\na -> b\tlibshade/test/test_a.c::main compare/tests/test_judge.py::test_x\nc -> d\tlibshade/test/test_a.c::main\n")
     said = [line.split() for line in run(sys.executable, root / "setup/costs.py").stdout.splitlines()]
-    assert said[0] == ["seconds", "noticed", "file"] and said[-1] == ["40"] and len(said) == 11
+    assert said[0] == ["seconds", "noticed", "file"] and said[-1] == ["56"] and len(said) == 14
     assert said[1] == ["14.0", "0", "blender_addon_c/tests/test_blender_e.py"] and ["3.0", "2", "libshade/test/test_a.c"] in said and ["2.0", "1", "compare/tests/test_judge.py"] in said
 
 
@@ -345,19 +380,22 @@ def test_what_cycles_has_in_each_version(tmp_path, monkeypatch):
             return types.SimpleNamespace(type=name[10:].upper(), bl_label=name[10:], inputs=[part(s) for s in nodes[name][0]], outputs=[part(s) for s in nodes[name][1]])
         enum = lambda *items: types.SimpleNamespace(enum_items=[types.SimpleNamespace(identifier=item, name=item.title()) for item in items])
         flag = lambda name, kind="BOOLEAN": types.SimpleNamespace(identifier=name, type=kind, name=name[9:])
-        layer = types.SimpleNamespace(bl_rna=types.SimpleNamespace(properties=[flag("use_pass_mist"), flag("use_pass_depth_z", "INT"), flag("use_pass_grease_pencil"), flag("use_sky")]))
+        layer = types.SimpleNamespace(bl_rna=types.SimpleNamespace(properties=[flag("use_pass_mist"), flag("use_pass_depth_z", "INT"), flag("use_pass_grease_pencil"), flag("use_pass_cryptomatte_accurate"), flag("use_sky")]))
         layer.cycles = types.SimpleNamespace(bl_rna=types.SimpleNamespace(properties=[flag("pass_debug_sample_count"), flag("denoising_store_passes")]))
         camera = types.SimpleNamespace(bl_rna=types.SimpleNamespace(properties={"type": enum("PERSP")}), panorama_type=1)
         camera.bl_rna.properties["panorama_type"] = enum("FISHEYE")
         fake = types.SimpleNamespace(
             types=types.SimpleNamespace(Node=Node, Light=types.SimpleNamespace(bl_rna=types.SimpleNamespace(properties={"type": enum("SUN")})), **kinds),
-            data=types.SimpleNamespace(node_groups=types.SimpleNamespace(new=lambda *_: types.SimpleNamespace(nodes=types.SimpleNamespace(new=new))),
+            data=types.SimpleNamespace(node_groups=types.SimpleNamespace(new=lambda _name, kind: kind == "ShaderNodeTree" and types.SimpleNamespace(nodes=types.SimpleNamespace(new=new))),
                                        cameras=types.SimpleNamespace(new=lambda _: camera)),
             context=types.SimpleNamespace(view_layer=layer), app=types.SimpleNamespace(version=version))
         monkeypatch.setitem(sys.modules, "bpy", fake)
         exec(compile(text, "cycles_has.py", "exec"), {"__file__": str(tmp_path / "cycles_has.py"), "__name__": "cycles_has"})
         return [line for line in listed.read_text().splitlines() if not line.startswith("#")]
-    mix = {"ShaderNodeMix": (["A", "B", "__extend__"], ["Out"]), "NodeReroute": ([], []), "ShaderNodeShaderToRGB": ([], [])}
+    of_others = ("EeveeSpecular ShaderToRGB OutputLineStyle UVAlongStroke LightAccumulation LightEvaluation LightInfo LightIterInternalInput LightIterInternalOutput "
+                 "ShadowRaycast Squeeze Group CustomGroup").split()
+    mix = {"ShaderNodeMix": (["A", "B", "__extend__", "LightIndex"], ["Out"]),
+           **{name: ([], []) for name in ("NodeReroute", "NodeFrame", "NodeGroupInput", "NodeGroupOutput", *(f"ShaderNode{name}" for name in of_others))}}
     others = ["camera | FISHEYE |  | Fisheye | {0} |  |", "camera | PERSP |  | Persp | {0} |  |", "light | SUN |  | Sun | {0} |  |"]
     passes = ["pass | denoising_store_passes |  | _store_passes | {0} |  |", "pass | pass_debug_sample_count |  | g_sample_count | {0} |  |", "pass | use_pass_mist |  | mist | {0} |  |"]
     rows = lambda versions, *nodes: [row.format(versions) for row in (*others, *nodes, *passes)]
@@ -503,6 +541,48 @@ def test_scenes_that_patches_change_are_named(house):
         assert done.returncode == 2 and said in done.stderr
 
 
+# ---- DLLs
+
+
+def dll(*names, magic=b"PE\0\0\x64\x86"):
+    """A DLL of one section, from 0x400 on, at address 0x1000, whose table of imports begins 16 bytes in."""
+    data = bytearray(0x800)
+    data[:2] = b"MZ"
+    struct.pack_into("<I", data, 0x3C, 0x80)
+    data[0x80:0x86] = magic
+    struct.pack_into("<H", data, 0x86, 1)
+    struct.pack_into("<H", data, 0x94, 240)
+    struct.pack_into("<I", data, 0x80 + 24 + 112 + 8, 0x1010)
+    struct.pack_into("<IIII", data, 0x80 + 24 + 240 + 8, 0x200, 0x1000, 0x400, 0x400)
+    at = 0x100
+    for number, name in enumerate(names):
+        struct.pack_into("<I", data, 0x410 + 20 * number + 12, 0x1000 + at)
+        data[0x400 + at:0x400 + at + len(name)] = name.encode()
+        at += len(name) + 3
+    return bytes(data)
+
+
+def test_a_dll_that_looks_for_others(tmp_path):
+    """By names that are no longer; a file that is no DLL, and a name that does not fit, are said."""
+    (tmp_path / "a.dll").write_bytes(dll("tbb12.dll", "other.dll"))
+    tool = ROOT / "setup/own_dll.py"
+    done = run(sys.executable, tool, tmp_path / "a.dll", tmp_path / "b.dll", "tbb12.dll=own.dll", "other.dll=third.dll")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "") and sorted(path.name for path in tmp_path.iterdir()) == ["a.dll", "b.dll"]
+    wanted = bytearray(dll("tbb12.dll", "other.dll"))
+    wanted[0x500:0x509], wanted[0x50C:0x515] = b"own.dll\0\0", b"third.dll"
+    assert (tmp_path / "b.dll").read_bytes() == wanted
+    for names, said in ((["tbb12.dll=longer-one.dll"], "longer-one.dll cannot take the place of tbb12.dll: it needs tbb12.dll, other.dll"),
+                        (["none.dll=a.dll"], "a.dll cannot take the place of none.dll: it needs tbb12.dll, other.dll")):
+        done = run(sys.executable, tool, tmp_path / "a.dll", tmp_path / "c.dll", *names)
+        assert done.returncode == 1 and done.stderr == f"own_dll.py: {tmp_path}/a.dll: {said}\n" and not (tmp_path / "c.dll").exists()
+    for data, said in ((dll("a.dll", magic=b"PE\0\0\x4c\x01"), "no DLL for x86-64"), (b"ELF" + dll("a.dll")[3:], "no DLL for x86-64"),
+                       (dll("a.dll").replace(struct.pack("<I", 0x1010), struct.pack("<I", 0x3010)), "address 0x3010 is in no section")):
+        (tmp_path / "a.dll").write_bytes(data)
+        assert said in run(sys.executable, tool, tmp_path / "a.dll", tmp_path / "c.dll").stderr
+    done = run(sys.executable, tool, "a.dll")
+    assert done.returncode == 1 and "usage: own_dll.py FROM TO [OLD=NEW...]" in done.stderr
+
+
 # ---- pictures
 
 
@@ -558,3 +638,68 @@ def test_sheets_of_pictures_are_full(monkeypatch, tmp_path):
     both = Image.open(tmp_path / "examples/suzanne.jpg")
     assert both.size == (1600, 450) and both.getpixel((10, 10))[2] > 200 and both.getpixel((1590, 10))[0] > 200  # Blender's on the left
     assert Image.open(tmp_path / "examples/plate.jpg").size == (1600, 900)
+
+
+STARTED = {  # by function, what it starts in the tree's folder
+    "swatches": ["build/shade swatch --all --size 136 -o build/swatches.png"],
+    "povray_cloth": ["build/povray/povray +Iexamples/povray/cloth/cloth.pov +Obuild/povray-cloth.png +W960 +H540 +A0.1 -D -V"],
+    "povray_sheet": ["build/shade weave --name basket --cells 16 --curve .35 --ridge 0 --map normal --bits 16 -o build/basket.png",
+                     *(f"build/povray/povray +Iexamples/povray/{name}/{name}.pov +Lbuild +Obuild/povray-{name}.png +W960 +H540 +A0.2 -D -V"
+                       for name in "embossed lampshade reflection kitchen presets inlay scratches turned metals".split())],
+    "blender_sheet": [f"blender -b --factory-startup --addons libshade --python-exit-code 1 -P examples/blender/{name}/make_scene.py -- build/blender-{name}{end}"
+                      for name, end in (("pan", ".png"), ("dial", ".png"), ("drape", ".png"), ("jacket", ".png"), ("jacket", "-near.png near"))],
+    "twins": [f"blender -b --factory-startup --addons libshade --python-exit-code 1 -P examples/blender/{name}/make_scene.py -- build/blender-{name}{end}"
+              for name, end in (("pan", "-cycles.png cycles"), ("dial", "-cycles.png cycles"), ("scratches", ".png"), ("scratches", "-cycles.png cycles"),
+                                ("jacket", "-near-cycles.png near cycles"), ("drape", "-cycles.png cycles"), ("jacket", "-cycles.png cycles"))],  # ours are there
+    "nodes": ["xvfb-run -a -s -screen 0 1600x1100x24 blender --factory-startup --window-geometry 0 0 1600 1100 --addons libshade "
+              "-P examples/blender/nodes/make_pictures.py -- examples/nodes"],
+    "first": ["blender -b --factory-startup --addons libshade --python-exit-code 1 -P examples/blender/nodes/make_first.py -- build/first.png"],
+    "effects": ["build/venv-bpy/bin/python examples/blender/nodes/make_effects.py -- docs/pictures"],
+    "cookbook": ["build/povray/povray +Ia_b.pov +Obuild/a_b.png -D -V"],
+}
+MADE = {"swatches": ("examples/swatches.jpg", (8, 6)), "povray_cloth": ("examples/povray-cloth.jpg", (8, 6)), "povray_sheet": ("examples/povray.jpg", (1440, 810)),
+        "blender_sheet": ("examples/blender.jpg", (1440, 810)), "twins": ("examples/twins.jpg", (1152, 620)), "first": ("docs/pictures/first.jpg", (640, 360)),
+        "cookbook": ("docs/pictures/povray-a-b.jpg", (480, 270))}
+
+
+def test_what_is_started_for_pictures(monkeypatch, tmp_path):
+    """Of this tree's programs and add-on, and where it lands; a render of Blender's that is there stays."""
+    spec = importlib.util.spec_from_file_location("pictures_of_the_manual", ROOT / "setup/pictures.py")
+    pictures = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(pictures)
+    for folder in ("examples/povray/cookbook", "examples/nodes", "docs/pictures", "build"):
+        (tmp_path / folder).mkdir(parents=True)
+    for name in ("a_b", "costs"):
+        (tmp_path / f"examples/povray/cookbook/{name}.pov").write_text(f"// A scene.\n//   build/povray/povray +I{name}.pov +Obuild/{name}.png\n")
+    Image.new("RGB", (8, 6), "red").save(tmp_path / "examples/nodes/a.png")
+    asked, colours = [], {}
+
+    def started(words, check, env=None, cwd=None, **_options):
+        words = [str(word) for word in words]
+        assert check and (words[0] not in ("blender", "xvfb-run") or env["BLENDER_USER_SCRIPTS"] == str(tmp_path / "build/blender"))
+        asked.append(" ".join(words).replace(f"{tmp_path}/", ""))
+        for word in words:
+            path = Path(word.removeprefix("+O"))
+            if path.suffix == ".png":
+                colours[path.name] = colour = 3 + 8 * len(colours)
+                Image.new("RGB", (8, 6), (colour,) * 3).save((cwd or tmp_path) / path)
+    monkeypatch.setattr(pictures, "ROOT", tmp_path)
+    monkeypatch.setattr(pictures.subprocess, "run", started)
+    for name, wanted in STARTED.items():
+        asked.clear()
+        getattr(pictures, name)()
+        assert asked == wanted, name
+        if name in MADE:
+            made = Image.open(tmp_path / MADE[name][0])
+            assert made.size == MADE[name][1] and made.mode == "RGB" and made.info["progressive"], name
+    assert Image.open(tmp_path / "examples/nodes/a.png").mode == "P" and not (tmp_path / "docs/pictures/povray-costs.jpg").exists()
+    asked.clear()
+    pictures.blender_sheet()
+    assert not asked
+    both = Image.open(tmp_path / "examples/twins.jpg")  # by rows ours and, on its right, Cycles'
+    for (x, y), name in {(4, 4): "pan", (284, 157): "pan", (292, 4): "pan-cycles", (580, 4): "dial", (1148, 157): "dial-cycles", (4, 166): "scratches", (634, 200): "jacket-near",
+                         (1148, 368): "jacket-near-cycles", (4, 376): "drape", (542, 616): "jacket", (1148, 616): "jacket-cycles"}.items():
+        assert abs(both.getpixel((x, y))[0] - colours[f"blender-{name}.png"]) < 4, name
+    sheet = Image.open(tmp_path / "examples/blender.jpg")
+    for (x, y), name in {(4, 4): "pan", (1436, 400): "dial", (4, 410): "drape", (442, 806): "jacket", (1436, 806): "jacket-near"}.items():
+        assert abs(sheet.getpixel((x, y))[0] - colours[f"blender-{name}.png"]) < 4, name
