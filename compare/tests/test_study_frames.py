@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """study_frames.py without a renderer: the sphere's numbers, what is compared of a picture, findings on altered rows."""
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import sphere
 import study_frames as study
 
-COST = 0.95
+COST = 1.3
 
 
 def test_normals_are_those_of_the_displaced_points():
@@ -95,3 +97,120 @@ def test_what_made_the_tiles_is_removed_but_for_the_truth(tmp_path):
     rows = study.tiles(tmp_path, "plate", "sun", true, {("libshade", 8): (true, [1.0], "0")})
     left = {path.name for path in tmp_path.iterdir() if path.suffix != ".jpg"}
     assert rows and left == {"truth-plate.npy", "truth-plate.exr", "log.txt"}
+
+
+# ---- what is asked of the renderers, and what is said
+
+
+def test_what_its_words_promise():
+    """Pictures, blocks and counts are those of the introduction and the table."""
+    assert study.SIZE == {"sun": 512, "sky": 256} and study.TRUTH == {"sun": 128, "sky": 512} and study.REPEAT == 3
+    assert study.BLOCK == {("plate", "sun"): 1, ("plate", "sky"): 4, ("sphere", "sun"): 8, ("sphere", "sky"): 4}
+    assert study.SAMPLES == {"sun": (4, 16, 64), "sky": (16, 64, 256)} and all(2 * side**2 > 1e6 for side in study.QUADS.values())
+    assert [(task.key, task.seconds) for task in study.tasks(False)] == [("plate-sun", 120), ("plate-sky", 150), ("sphere-sun", 120), ("sphere-sky", 150)]
+
+
+def test_jobs_of_each_engine(monkeypatch, tmp_path):
+    asked = []
+
+    def run(folder, jobs, python=None, normals=None):
+        asked.append((jobs, python, normals))
+        return {key: f"picture of {key}" for key in jobs}, {key: [1.0] for key in jobs}, "9"
+    monkeypatch.setattr(study.plate_jobs, "run", run)
+    monkeypatch.setattr(study.peers, "run_mitsuba", lambda folder, jobs, normals: run(folder, jobs, "mitsuba", normals))
+    monkeypatch.setattr(study, "normals_of", lambda shape: f"normals of {shape}")
+    job = study.job_of("gram_schmidt", "plate", "sun", "s.exr", 7, extra=1)
+    assert job == {"engine": "LIBSHADE", "shape": "plate", "surface": "bumped", "ggx": (study.peers.ROUGHNESS, study.peers.ANISOTROPY), "size": study.SIZE["sun"],
+                   "quads": study.QUADS["plate"], "samples": 7, "repeat": study.REPEAT, "seed": 1, "extra": 1, "detail": "gram_schmidt"}
+    assert study.job_of("libshade", "sphere", "sky", "s.exr", 7)["detail"] == "rotate" and study.job_of("libshade", "sphere", "sky", "s.exr", 7)["sky"] == "s.exr"
+    assert study.job_of("cycles_5", "plate", "sun", None, 7)["engine"] == "CYCLES" and "detail" not in study.job_of("cycles", "plate", "sun", None, 7)
+    found = study.in_blender(("libshade", "perturb"), "plate", "sun", None, tmp_path, "python")
+    counts = study.SAMPLES["sun"]
+    assert list(found) == [*(("libshade", samples) for samples in counts), ("perturb", counts[-1])]
+    assert found["perturb", counts[-1]] == (f"picture of {('perturb', counts[-1])}", [1.0], "9")
+    (jobs, python, normals), = asked
+    assert (python, normals) == ("python", "normals of plate") and jobs["libshade", counts[0]]["output"] == f"{tmp_path}/libshade-{counts[0]}.exr"
+    found = study.in_mitsuba("sphere", "sky", "s.npy", tmp_path)
+    assert list(found) == [("mitsuba", samples) for samples in study.SAMPLES["sky"]] and asked[-1][1:] == ("mitsuba", "normals of sphere")
+    assert all(job["sky"] == "s.npy" and job["samples"] == samples for (_engine, samples), job in asked[-1][0].items())
+
+
+def test_the_truth_is_kept_until_what_makes_it_changes(monkeypatch, tmp_path):
+    """The mean of two renders with seeds of their own; half their difference is its noise."""
+    made, version = [], [b"Blender 3.4\nmore"]
+
+    def run(folder, jobs, normals=None):
+        made.append({name: (job["surface"], job["samples"], job["repeat"], job["seed"], job["engine"]) for name, job in jobs.items()})
+        for name, value in (("truth-7", 1.0), ("truth-8", 2.0)):
+            study.pictures.write_float(jobs[name]["output"], np.full((study.SIZE["sun"],) * 2 + (3,), value, np.float32))
+    monkeypatch.setattr(study.plate_jobs, "run", run)
+    monkeypatch.setattr(study, "normals_of", lambda shape: None)
+    monkeypatch.setattr(study, "SIZE", {"sun": 16})
+    monkeypatch.setattr(study.subprocess, "run", lambda *_words, **_options: SimpleNamespace(stdout=version[0]))
+    said = []
+    for _ in range(2):
+        picture, noise = study.truth("plate", "sun", None, tmp_path, said.append)
+        assert picture.mean() == 1.5 and noise == pytest.approx(.25) and said == ["the truth"]
+    assert made == [{f"truth-{seed}": ("displaced", study.TRUTH["sun"], 0, seed, "CYCLES") for seed in (7, 8)}]
+    version[0] = b"Blender 5.0\nmore"
+    study.truth("plate", "sun", None, tmp_path, said.append)
+    assert len(made) == 2
+
+
+@pytest.mark.parametrize("light, there", [("sun", {"cycles_5": True, "mitsuba": True}), ("sky", {"cycles_5": False, "mitsuba": False})])
+def test_rows_of_a_scene(monkeypatch, tmp_path, light, there):
+    """Of each engine that is there; POV-Ray knows no sky."""
+    said, picture = [], np.ones((8, 8, 3))
+    monkeypatch.setattr(study, "there", lambda: there)
+    monkeypatch.setattr(study, "truth", lambda *words: (words[2], .001))
+    monkeypatch.setattr(study, "in_blender", lambda engines, *words: {(engine, 4): ((engine, words), [1.0, 2.0], "b") for engine in engines})
+    monkeypatch.setattr(study, "in_mitsuba", lambda *words: {("mitsuba", 4): (("mitsuba", words), [3.0], "m")})
+    monkeypatch.setattr(study.frames_povray, "run", lambda folder, shape, size, alphas, sides, repeat: {
+        side: (("povray", size, alphas, repeat), [4.0], "p") for side in sides})
+    monkeypatch.setattr(study.paths, "studio", lambda: picture)
+    monkeypatch.setattr(study.pictures, "write_float", lambda path, made: said.append(path))
+    monkeypatch.setattr(study, "error", lambda made, true, shape, of: len(made[0]) / 100)
+    monkeypatch.setattr(study, "tiles", lambda folder, shape, of, true, made: [{"kind": "tile", "of": [shape, of, true, len(made)]}])
+    rows = study.frames("plate", light)(tmp_path, said.append)
+    sky = f"{tmp_path}/sky.exr" if light == "sky" else None
+    assert rows[-1]["of"] == ["plate", light, sky, 9 if light == "sun" else 4]
+    assert [row["engine"] for row in rows if row["kind"] == "missing"] == ([] if light == "sun" else ["cycles_5", "mitsuba"])
+    found = [(row["engine"], row["samples"], row["run"], row["seconds"], row["error"], row["version"]) for row in rows if row["kind"] == "frame"]
+    ours = [(engine, 4, k, k + 1.0, len(engine) / 100, "b") for engine in ("libshade", "cycles", "gram_schmidt", "perturb") for k in (0, 1)]
+    more = [("cycles_5", 4, k, k + 1.0, .08, "b") for k in (0, 1)] + [("mitsuba", 4, 0, 3.0, .07, "m")] + [("povray", n, 0, 4.0, .06, "p") for n in (1, 4, 16)]
+    assert found == ours + (more if light == "sun" else []) and {row["noise"] for row in rows if row["kind"] == "frame"} == {.001}
+    assert said == (["Blender 3.4", "Blender 5.0", "Mitsuba", "POV-Ray"] if light == "sun" else [sky, "Blender 3.4"])
+
+
+def test_what_the_table_and_the_sentences_say(rows):
+    found = [finding.text for finding in study.findings(rows)]
+    near = lambda off: [{**row, "error": off} if (row["engine"], row["shape"], row["light"]) == ("libshade", "sphere", "sky") else row for row in rows]
+    assert "our picture is 1 % from the displaced truth, by their normal maps " in found[0] and "Cycles 10 %, Cycles 5 10 %, Mitsuba 3 10 %" in found[0]
+    assert found[0].endswith("; POV-Ray with libshade 1 %.") and not any("POV-Ray" in text for text in found[1::2][:2]) and "too near" not in "".join(found)
+    for off, holds, said in ((.104, True, True), (.096, True, True), (.094, True, False), (.106, False, False)):
+        told = study.findings(near(off))[3]
+        assert (told.holds, "(too near to tell apart)." in told.text) == (holds, said)
+    assert found[4] == "With as many samples Cycles takes 5.0 to 5.0 times as long as our engine, Cycles 5 takes 6.0 to 6.0 times as long as our engine."
+    assert found[5].startswith("The truth's own noise is 0.1 % to 0.1 %, at most 0.10 of our smallest error there (")
+    table, = study.tables(rows)
+    assert (table.id, table.columns) == ("numbers", ["surface", "light", "renderer", "samples", "seconds", "middle half", "error, %"])
+    assert table.caption == "Two cores; errors over the mean of the truth. Versions: 1."
+    samples = study.SAMPLES["sun"][0]
+    assert table.rows[0] == [study.SHAPES["plate"], study.LIGHTS["sun"], study.ENGINES["libshade"], samples, pytest.approx(samples), f"{samples:.2f} to {samples:.2f}", pytest.approx(1)]
+
+
+def test_a_line_for_each_renderer(rows, monkeypatch):
+    """Seconds against error; the title says which light."""
+    panels = []
+    monkeypatch.setattr(study.style, "svg", lambda figure: panels.append(figure.axes[0]) or "")
+    monkeypatch.setattr(study.style, "labels", lambda axes, points, lines: [axes.text(x, y, word) for x, y, word in points])
+    study.chart(rows, "plate", "sun")
+    axes, = panels
+    assert (axes.get_title("left"), axes.get_xlabel(), axes.get_ylabel()) == (study.LIGHTS["sun"], "seconds a frame, two cores", "error against the displaced surface")
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    counts = study.SAMPLES["sun"]
+    wanted = {"libshade": (.01, 1), "cycles": (.1, 5), "cycles_5": (.1, 6), "mitsuba": (.1, .9), "povray": (.01, 4)}
+    assert {text.get_text(): text.get_position() for text in axes.texts} == {word: (pytest.approx(seconds * counts[-1]), error) for word, (error, seconds) in wanted.items()}
+    drawn = [container.lines[0].get_xydata() for container in axes.containers]
+    assert len(drawn) == 5 and np.allclose(drawn[0], [(samples, .01) for samples in counts])
+    study.style.pyplot.close("all")
