@@ -17,7 +17,7 @@ import study_precision
 import study_speed
 import style
 
-COST = 2.5
+COST = 3.6
 
 RUNS = (0.9, 1.0, 1.2)  # of a time: its median is it, the middle half .95 to 1.1
 STEADY = ("perturb", "lambert", "max_normal", "hard", "near", "float", 1)  # what others are compared with: all runs the same
@@ -392,3 +392,155 @@ def test_tasks(name):
     assert (sum(task.seconds for task in quick), sum(task.seconds for task in whole)) == pytest.approx(SECONDS[name])
     if name == "cloth":
         assert len(whole) > 8 and {"denim", "linen"} <= {task.key for task in whole}
+
+
+# ---- what they measure
+
+
+def test_fibres_that_shade_and_hide_each_other():
+    """From above and lit from there they are round: the mean of cos² over that of cos. What is beside a neighbour sees no low light."""
+    up = np.array([[0.0, 0, 1]])
+    assert study_diffuse.truth(up, up, 2000) == pytest.approx(np.pi / 4, abs=1e-5)
+    side = lambda degrees: np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
+    at = lambda degrees: np.array([[np.sin(np.radians(degrees))], [np.cos(np.radians(degrees))]])
+    for turned, light, seen in ((0, 10, True), (60, 80, True), (60, 10, False), (-60, 10, False), (-20, 60, True), (89, 89, True), (89, 85, False), (60, 170, False)):
+        assert study_diffuse.free(at(turned), side(light))[0] == seen, (turned, light)
+        assert study_diffuse.free(at(-turned), side(light) * (-1, 1))[0] == seen
+    spread = study_diffuse.directions(4000, 1)
+    low = np.sin(np.radians(10))
+    assert np.allclose(np.linalg.norm(spread, axis=1), 1) and spread[:, 2].min() >= low and np.abs(spread.mean(0) - (0, 0, (1 + low) / 2)).max() < .03
+    assert np.quantile(spread[:, 2], [.25, .75]) == pytest.approx([low + (1 - low) * share for share in (.25, .75)], abs=1e-3)
+    assert np.abs(np.cov(spread[:, :2].T) - np.eye(2) * (1 - (spread[:, 2]**2).mean()) / 2).max() < .02
+    assert np.allclose(study_diffuse.model("lambert", spread, spread[::-1]), spread[:, 2], atol=1e-6)
+    truth, *rows = study_diffuse.errors(300, 200)(None, None)
+    assert [row["method"] for row in rows] == list(DIFFUSE) and truth["kind"] == "truth" and 0 < truth["quadrature"] < .01 < .3 < truth["mean"] < 1
+    off = {row["method"]: row["error"] for row in rows}
+    assert min(off, key=off.get) == "fibre_view" and all(row["error_low"] <= row["error"] * 1.5 and row["error_low"] < row["error_high"] <= row["worst"] for row in rows)
+    assert {row["method"]: row["bias"] > .1 for row in rows}["max_normal"] and all(abs(row["bias"]) <= row["error"] * 1.0001 for row in rows)
+
+
+def test_forty_digits():
+    """Of the same lobe as the other study's in double; the tool's answers keep as many digits as its forms have."""
+    n, h = study_precision.directions(40, 7), study_precision.directions(40, 8)
+    assert n[:, 2].min() > .499 and n.dtype == np.float32 and not np.array_equal(n, h)
+    with study_precision.decimal.localcontext(study_precision.decimal.Context(prec=40)):
+        for mdf in study_precision.MDFS:
+            unit = lambda v: v.astype(float) / np.linalg.norm(v.astype(float))
+            seen = 0
+            for normal, half in zip(n, h):
+                found, peak = study_precision.truth(mdf, normal, half)
+                wanted = study_speed.displaced(mdf, unit(normal), unit(half)[None], 200, 10)[0]
+                assert float(found) == pytest.approx(wanted, rel=1e-9, abs=1e-300) and found < peak
+                seen += found * 10**12 > peak
+            assert study_precision.truth(mdf, n[0], -h[0])[0] == 0
+    said = []
+    rows = study_precision.errors("ggx", 40)(None, said.append)
+    assert [row["precision"] for row in rows] == ["float", "double", "reference"] and said == ["0 %"] and {row["points"] for row in rows} == {seen}
+    assert all(low < row["error"] < high and 0 < row["error_low"] < row["error"] for row, (low, high) in zip(rows, ((1e-8, 1e-4), (1e-17, 1e-12), (0, 1e-14))))
+    with pytest.raises(study_precision.report.StepFailed, match="eval --mdf none .*none"):
+        study_precision.ask("none", "float", "")
+
+
+def test_total_variation():
+    """Of every method; 0 where it is the displaced surface's lobe, which has an integral of 1."""
+    h, weight = study_speed.sphere(60)
+    assert weight.sum() == pytest.approx(2 * np.pi)
+    for mdf in (NAME, "beckmann", "ggx"):  # a broad lobe, as the quadrature has it
+        made = study_speed.displaced(mdf, np.array([0.0, 0, 1]), h, 10, 4)
+        assert weight @ (made * (1 if mdf == NAME else h[:, 2])) == pytest.approx(1, abs=1e-3)
+    rows = {row["method"]: row for row in study_speed.errors("ggx", 20, 8, 60)(None, None)}
+    assert set(rows) == set(METHODS)
+    assert rows["rotate"]["error_most"] < 1e-9 and .01 < rows["gram_schmidt"]["error"] < rows["perturb"]["error"] < rows["none"]["error"] < 1.01
+    for row in rows.values():
+        assert (row["kind"], row["distribution"], row["tilt"]) == ("error", "ggx", 20)
+        assert row["error_low"] <= row["error_high"] <= row["error_most"] and row["error"] <= row["error_most"] and row["quadrature"] < .05
+
+
+def test_plain_c_is_the_same_formula(monkeypatch, tmp_path):
+    monkeypatch.setattr(study_speed, "ARRAY", 64)
+    row, = study_speed.plain("ggx", 1)(None, None)
+    assert {key: row[key] for key in ("kind", "method", "distribution", "precision", "isa", "run")} == {
+        "kind": "speed", "method": "rotate_plain", "distribution": "ggx", "precision": "float", "isa": "plain C", "run": 0}
+    assert 0 < row["ns"] < 1e5 and 0 < row["rounding"] < 1e-5
+    displaced = study_speed.displaced
+    monkeypatch.setattr(study_speed, "displaced", lambda *words: 1.001 * displaced(*words))
+    with pytest.raises(ValueError, match=r"compare/plain.c: D of ward is .* of its peak off"):
+        study_speed.plain("ward", 1)(None, None)
+    monkeypatch.setattr(study_speed, "PLAIN", tmp_path / "none.so")
+    with pytest.raises(study_speed.report.StepFailed, match="none.so: no such file; run make build/plain.so"):
+        study_speed.plain("ward", 1)(None, None)
+    spread = study_speed.within(np.random.default_rng(5))
+    assert spread.shape == (64, 3) and spread.dtype == np.float32 and .5 <= spread[:, 2].min() and np.allclose(np.linalg.norm(spread, axis=1), 1)
+
+
+def test_brightness_under_horizons(monkeypatch, tmp_path):
+    """By each light's elevation the sums over those of the eye."""
+    (tmp_path / "horizon").touch()
+    monkeypatch.setattr(study_horizons.programs, "BUILD", tmp_path)
+    asked = []
+
+    def measure(options):
+        asked.append((options.points, options.azimuths, options.output))
+        (tmp_path / "horizon.csv").touch()
+        return [{"material": mdf, "horizon": rule, "light": light, "eye": eye, "truth": 2.0, "mean": 2.0 + light / 100 + (rule == "hard") - 2 * (eye == 80), "image": .25}
+                for mdf in (NAME, "ggx") for rule in HORIZONS for light in (5, 80) for eye in (5, 80)]
+    monkeypatch.setattr(study_horizons.horizon, "measure", measure)
+    rows = study_horizons.cast(16, 5)(tmp_path, lambda _text: None)
+    assert asked == [(16, 5, tmp_path)] and not (tmp_path / "horizon.csv").exists()
+    assert [(row["distribution"], row["method"], row["light"]) for row in rows] == [(mdf, rule, light) for mdf in (NAME, "ggx") for rule in HORIZONS for light in (5, 80)]
+    assert [(row["kind"], row["truth"], row["picture"]) for row in rows] == [("error", 4, .5)] * 24
+    assert [row["error"] for row in rows[:4]] == pytest.approx([1.05 + .95, 1.8 + .2, .05 + 1.95, .8 + 1.2])
+    monkeypatch.setattr(study_horizons.programs, "BUILD", tmp_path / "none")
+    with pytest.raises(study_horizons.report.StepFailed, match="none/horizon: no such file; run make build/horizon"):
+        study_horizons.cast(16, 5)(tmp_path, lambda _text: None)
+
+
+def test_cloth_is_measured_at_its_own_pairs(monkeypatch):
+    """Near at points, far at none: what is off is of the mean of near; times of all three forms by turns."""
+    asked, clock = [], [0.0]
+
+    class Cloth:
+        def eval(self, uv, wi, wo, tier, footprint=0):
+            asked.append((tier, len(uv), float(footprint)))
+            clock[0] += {"near": .001, "far": .003, "single": .002}[tier]
+            values = {"near": [1.0, 2, 4], "far": [1.01, 2, 4], "single": [1, 2.4, 4]}[tier]
+            return np.tile(values, (len(uv), 1)) * (1 + .1 * (np.arange(len(uv)) % 2 * 2 - 1)[:, None] * (tier == "near"))
+    monkeypatch.setattr(study_cloth, "BATCH", 1000)
+    monkeypatch.setattr(study_cloth.shade, "fabric", lambda name: Cloth())
+    monkeypatch.setattr(study_cloth.time, "perf_counter", lambda: clock[0])
+    said = []
+    rows = study_cloth.measure("denim", 64, 2)(None, said.append)
+    far, single, *times = rows
+    assert (far["method"], far["error"], far["worst"], far["error_low"], far["error_high"]) == ("far", *[pytest.approx(.01)] * 4)
+    assert (single["method"], single["error"], single["noise"], far["noise"]) == ("single", pytest.approx(.2), *[pytest.approx(.1 / 8)] * 2)
+    assert [(row["method"], row["run"], row["precision"], row["ns"]) for row in times] == [
+        (form, run, "float", pytest.approx(ns)) for run in (0, 1) for form, ns in (("near", 1000), ("far", 3000), ("single", 2000))]
+    assert said[0] == "0 %" and said[-2:] == ["run 1 of 2", "run 2 of 2"] and len(said) == 22 and {row["cloth"] for row in rows} == {"denim"}
+    assert asked[:3] == [("near", 64, 0), ("far", 1, 1e6), ("single", 1, 1e6)] and asked[-3:] == [("near", 1000, 0), ("far", 1000, 20), ("single", 1000, 20)]
+    spread = study_cloth.within(np.random.default_rng(1))
+    assert spread.shape == (1000, 3) and np.allclose(np.linalg.norm(spread, axis=1), 1) and .499 < spread[:, 2].min() and np.abs(spread[:, :2].mean(0)).max() < .06
+
+
+def test_lobes_are_judged_by_the_mean_colour(monkeypatch):
+    """Of every count at each footprint, over the mean of the truth."""
+    made = study_lobes.maps()
+    assert {key: label for key, (label, _make) in made.items()} == {"waves": "random waves", "ripples": "even ripples", "scratches": "scratches"}
+    asked = []
+    for name in ("gaussian_map", "ripple_map", "scratch_map"):
+        monkeypatch.setattr(study_lobes.slopes, name, lambda *words, name=name, **options: asked.append((name, words, options)) or np.zeros((4, 4, 3)))
+    for _label, make in made.values():
+        make()
+    assert asked == [("gaussian_map", (.15, .1, 2), {}), ("ripple_map", (.15, .1), {}), ("scratch_map", (), {
+        "pits": 3000, "radius": (.004, .012), "stretch": (2, 8), "spread": pytest.approx(np.radians(20)), "depth": (.03, .12)})]
+    monkeypatch.setattr(study_lobes.shade, "SlopeMap", lambda _map, normals: "pyramid")
+    monkeypatch.setattr(study_lobes.slopes, "supersampled", lambda normals: "fine")
+    monkeypatch.setattr(study_lobes.slopes, "directions", lambda: [(0, 1), (1, 0), (1, 1), (0, 0)])
+    monkeypatch.setattr(study_lobes.slopes, "shaded", lambda mdf, first, second, fine, wi, wo: np.array([2.0]))
+    monkeypatch.setattr(study_lobes.slopes, "look_up", lambda pyramid, footprint, mdf, pair, lobes: (footprint, lobes, pair == study_lobes.slopes.LOBES[mdf]))
+    monkeypatch.setattr(study_lobes.slopes, "mean_colours", lambda mdf, got, lobes: 2 + np.array([0, .1, .2, .3]) * got[0] / lobes * got[2])
+    rows = study_lobes.errors("waves", ("ggx",), (4, 16))(None, lambda _text: None)
+    assert [(row["footprint"], row["lobes"]) for row in rows] == [(size, lobes) for size in (4, 16) for lobes in (1, 2, 3, 4, 6, 8)]
+    for row in rows:
+        share = row["footprint"] / row["lobes"] / 2
+        assert (row["error"], row["error_low"], row["error_high"]) == (pytest.approx(.15 * share), pytest.approx(.075 * share), pytest.approx(.225 * share))
+        assert (row["kind"], row["map"], row["distribution"]) == ("error", "waves", "ggx")
