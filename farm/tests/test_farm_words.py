@@ -1,0 +1,523 @@
+# SPDX-License-Identifier: Apache-2.0
+"""libshade-farm by its parts, with stand-ins for Slurm, Blender and ffmpeg: what it asks of them, item by item, and what it says of it."""
+
+import argparse
+import importlib.util
+import json
+import os
+import pathlib
+import struct
+import sys
+import time
+from types import SimpleNamespace as Of
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "farm")]
+
+import engines  # noqa: E402
+import files  # noqa: E402
+import finish  # noqa: E402
+import item  # noqa: E402
+import job as jobs  # noqa: E402
+import renderers  # noqa: E402
+from engines import local, slurm  # noqa: E402
+from renderers import blender, commands, povray, saved  # noqa: E402
+
+COST = 0.7
+
+spec = importlib.util.spec_from_file_location("farm_main", ROOT / "farm/__main__.py")
+main = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(main)
+SAID = {"scene": "a.pov", "name": "a", "words": ["+A"], "threads": 2, "programs": {"povray": "/p/povray", "blender": "/b/blender", "shade-render": "/s/render"}, "engine": "slurm",
+        "sbatch": ["--mem=4G"], "range": [1, 9], "corner": [10, 20], "pictures": True, "libraries": ["/lib"], "clock": False, "movie": {"rate": 25, "layer": ""}, "inputs": [],
+        "environment": {}, "isa": None, "items": [{"frame": 1, "tile": None, "share": None}, {"frame": 2, "tile": None, "share": None}]}
+
+
+@pytest.fixture
+def job(tmp_path):
+    def job(**more):
+        return jobs.Job.create(str(tmp_path / "a b"), {**SAID, **more})
+    return job
+
+
+class Log:
+    """What a renderer is asked."""
+
+    def __init__(self, makes=()):
+        self.asked, self.makes = [], makes
+
+    def run(self, words, folder=None, environment=None):
+        self.asked.append(([str(word) for word in words], folder))
+        for name in self.makes:
+            pathlib.Path(folder or self.work, name).touch()
+        return ""
+
+
+# ---- what is asked for
+
+
+@pytest.mark.parametrize("text, of_file, wanted", [
+    ("3", None, ([3], 3, 3)), ("1-4", None, ([1, 2, 3, 4], 1, 4)), ("-2-3/2", None, ([-2, 0, 2], -2, 3)), ("all", (2, 8, 3), ([2, 5, 8], 2, 8)), ("7-7/5", None, ([7], 7, 7))])
+def test_frames(text, of_file, wanted):
+    assert main.parse_frames(text, of_file) == wanted
+
+
+@pytest.mark.parametrize("text, of_file, said", [
+    ("all", None, "--frames 'all': A, A-B or A-B/STEP was expected"), ("1-x", (1, 2, 1), "--frames '1-x': A, A-B or A-B/STEP was expected, or all"),
+    ("4-3", None, "--frames '4-3' are none: A must be at most B, and STEP at least 1"), ("1-3/0", None, "--frames '1-3/0' are none")])
+def test_frames_that_are_none(text, of_file, said):
+    with pytest.raises(files.Refusal) as wrong:
+        main.parse_frames(text, of_file)
+    assert str(wrong.value).startswith(said) and (text != "all" or not str(wrong.value).endswith("or all"))
+
+
+def test_words_of_options():
+    assert (main.parse_tiles("3x2"), main.parse_program("blender=/a=b"), main.positive("17"), main.whole_number("0")) == ((3, 2), ("blender", "/a=b"), 17, 0)
+    for parse, words, said in ((main.parse_tiles, ("0x2", "3", "3x", "12345x1"), "NxM was expected, columns and rows"),
+                               (main.parse_program, ("cat=x", "blender=", "blender"), "blender=PATH, povray=PATH or shade-render=PATH was expected"),
+                               (main.positive, ("0", "-1", "x", "1000000"), "a whole number from 1 on was expected"), (main.whole_number, ("-1", "x"), "a whole number from 0 on was expected")):
+        for text in words:
+            with pytest.raises(argparse.ArgumentTypeError, match=f"'{text}': {said}"):
+                parse(text)
+
+
+HELP = {  # of each word: option, what stands for its value, default
+    "submit": [("-o", "FOLDER", None), ("--frames", "A-B[/STEP]", None), ("--tiles", "NxM", None), ("--shares", "K", None), ("--engine", None, "local"), ("--threads", "T", None),
+               ("--dry-run", None, False), ("--pack", None, False), ("--also", "FILE", []), ("--isa", None, None), ("--program", "NAME=PATH", []), ("--sbatch", "WORDS", ""),
+               ("--no-movie", None, False), ("--rate", "FPS", None)],
+    "status": [], "cancel": [], "resume": [("--engine", None, None)], "item": [], "merge": [("--round", None, None)]}
+
+
+def test_options_and_their_defaults():
+    whole = main.parser()
+    tasks = whole._subparsers._group_actions[0].choices
+    assert {name: [(one.option_strings[0], one.metavar, one.default) for one in task._actions if one.option_strings and one.dest != "help"] for name, task in tasks.items()} == HELP
+    assert {name: [one.metavar for one in task._actions if not one.option_strings] for name, task in tasks.items()} == {
+        "submit": ["FILE.blend|FILE.pov|SCENE.shscene"], "status": ["FOLDER"], "cancel": ["FOLDER"], "resume": ["FOLDER"], "item": ["FOLDER", "N"], "merge": ["FOLDER"]}
+    choices = {one.option_strings[0]: list(one.choices) for one in tasks["submit"]._actions if one.choices}
+    assert choices == {"--engine": ["local", "slurm"], "--isa": ["scalar", "sse2", "avx2", "avx512", "neon"]}
+    said = whole.format_help()
+    assert all(text in " ".join(said.split()) for text in ("submit begin a scene's items", "status what is done, runs, failed and hangs", "cancel end what runs; what is whole stays",
+                                                           "resume render what is missing", "item one item, on this machine", "merge frames of their parts, and the movie"))
+    assert "Exit status: 0 done, 1 something is missing or refused, 2 bad usage, 130 after Ctrl-C, which loses no whole item." in said
+    said = " ".join(one.help for one in tasks["submit"]._actions)
+    for text in ("(default NAME-farm-1, -2, ...)", "(default: its current frame, a still)", "(default local)", "(default: local, all cores over all items; slurm, 1)",
+                 "(default: the .blend's, else 24)", "(LIBSHADE_ISA)", "(made where ffmpeg is found)"):
+        assert text in said
+
+
+def test_items_are_frames_by_tiles_by_shares():
+    about = {"no_tiles": "", "no_shares": "", "size": [40, 30], "samples": 8, "cloth": False}
+    found = main.plan_items(about, [1, 2], (2, 1), 2)
+    assert [(one["frame"], one["tile"], one["share"]) for one in found] == [
+        (frame, tile, share) for frame in (1, 2) for tile in ([0, 0, 20, 30], [20, 0, 20, 30]) for share in ([0, 4], [4, 8])]
+    assert main.plan_items(about, [None], None, 1) == [{"frame": None, "tile": None, "share": None}]
+    assert [one["tile"] for one in main.plan_items(about, [None], (1, 2), None)] == [[0, 0, 40, 15], [0, 15, 40, 15]]
+    assert [one["tile"] for one in main.plan_items({**about, "size": [64, 90], "grid": 32}, [None], (1, 2), None)] == [[0, 0, 64, 32], [0, 32, 64, 58]]
+    for more, tiles, shares, said in (({"no_tiles": "why"}, (1, 2), None, "--tiles: why"), ({"no_tiles": "why"}, None, 2, "--shares: why"), ({"no_shares": "so"}, None, 2, "--shares: so")):
+        with pytest.raises(files.Refusal, match=said):
+            main.plan_items({**about, **more}, [1], tiles, shares)
+    assert renderers.cut(10, 3) == [(0, 3), (3, 6), (6, 10)]
+    with pytest.raises(files.Refusal, match="^90 pixels cannot be cut into 4 tiles at multiples of 32$"):
+        renderers.cut(90, 4, 32)
+    with pytest.raises(files.Refusal, match="whose samples are shaded together: of 64 samples there are 3 shares at most"):
+        renderers.cuts_of_samples(64, 4, True)
+    assert renderers.cuts_of_samples(256, 4, True) == [(0, 64), (64, 128), (128, 192), (192, 256)] and renderers.cuts_of_samples(64, 3, True) == [(0, 4), (4, 16), (16, 64)]
+    assert [jobs.name_of(3, one) for one in ({}, {"frame": 0}, {"frame": 5, "tile": [0, 1, 2, 3], "share": [4, 8]}, {"name": "x", "frame": 1}, {"share": [0, 1]})] == [
+        "item 3", "item 3 (frame 0)", "item 3 (frame 5, tile 0,1,2,3, samples 4 to 7)", "item 3 (x)", "item 3 (samples 0 to 0)"]
+    assert item.is_part({"share": [0, 1]}) and item.is_part({"tile": [0, 0, 1, 1]}) and not item.is_part({"frame": 1}) and item.key_of_frame(None) == "f" and item.key_of_frame(7) == "f7"
+
+
+def test_programs_and_folders(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(main, "built", lambda: str(tmp_path))
+    (tmp_path / "povray").mkdir()
+    for name in ("povray/povray", "shade-render", "other"):
+        (tmp_path / name).touch(0o755)
+    (tmp_path / "blender").mkdir()
+    assert [main.find_program(name, {}) for name in ("povray", "shade-render", "blender")] == [f"{tmp_path}/povray/povray", f"{tmp_path}/shade-render", "blender"]
+    assert main.find_program("blender", {"blender": "./other"}) == f"{tmp_path}/other" and main.find_program("povray", {"povray": "sh"}) == "sh"
+    with pytest.raises(files.Refusal, match="--program blender=/none: no program"):
+        main.find_program("blender", {"blender": "/none"})
+    assert [main.new_folder(None, "a") for _ in range(2)] == [f"{tmp_path}/a-farm-1", f"{tmp_path}/a-farm-2"] and main.new_folder("new/one", "a") == f"{tmp_path}/new/one"
+    assert main.new_folder("new/one", "a") == f"{tmp_path}/new/one"  # still empty
+    with pytest.raises(files.Refusal, match="povray: the folder is not empty; each submission has one of its own"):
+        main.new_folder("povray", "a")
+
+
+# ---- what is said of a submission
+
+
+def whole(job, number, **more):
+    work = pathlib.Path(job.path("work", f"w{number}"))
+    work.mkdir()
+    (work / f"{number}.png").write_text("x")
+    job.take(str(number), str(work), [f"{number}.png"], **more)
+
+
+def test_status(job, capsys, monkeypatch):
+    made = job(engine="local", items=[{"frame": frame} for frame in range(1, 8)])
+    whole(made, 0, seconds=2.0, megabytes=70)
+    whole(made, 1, seconds=4.0, megabytes=50)
+    files.write_json(made.path("running", "2"), {"host": "h"})
+    files.write_json(made.path("failed", "3.json"), {"message": "tile is too hot", "host": "node1", "log": "/l/3.log"})
+    files.write_json(made.path("failed", "2.json"), {"message": "before", "host": "node1", "log": "/l/2.log"})  # it runs again
+    monkeypatch.setattr(files, "host", lambda: "here")
+    assert main.main(["status", made.folder]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "a: 7 items: 2 done, 1 running, 1 failed, 3 wait", "an item took 3.0 s, 4.0 s at most, and 70 MB at most", "remain: about 00:15, as many as now at once",
+        "failed: item 3 (frame 4): tile is too hot; on node1, log /l/3.log", f"hangs: nothing runs it on here; go on with: libshade-farm resume '{made.folder}'"]
+    os.utime(made.path("running", "2"), (time.time() - 61,) * 2)  # its machine is gone
+    monkeypatch.setattr(engines, "of", lambda _job: Of(state=lambda _job: (4, ["a node"]), cancel=lambda _job: None))
+    files.write_json(made.path("cancelled"), {})
+    main.main(["status", made.folder])
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == "a: 7 items: 2 done, 0 running, 2 failed, 3 wait; 4 in the queue" and said[-2:] == [
+        "hangs: a node", f"cancelled; go on with: libshade-farm resume '{made.folder}'"]
+    for number in range(2, 7):
+        whole(made, number, seconds=1.0)
+    files.remove(made.path("cancelled"))
+    files.write_json(made.path("finished.json"), {"wrong": ["merge of frame 1: no"]})
+    main.main(["status", made.folder])
+    assert capsys.readouterr().out.splitlines()[2:] == ["hangs: a node", "failed: merge of frame 1: no", f"frames are in {made.folder}/frames"]
+    assert main.main(["cancel", made.folder]) == 0 and made.is_cancelled()
+    assert capsys.readouterr().out == f"cancelled; what is whole stays. Go on with: libshade-farm resume '{made.folder}'\n"
+    assert main.main(["status", made.folder + "/none"]) == 1
+    assert "none: no submission: job.json of version 1 is missing there" in capsys.readouterr().err
+
+
+def test_durations_and_progress(job, monkeypatch):
+    assert [local.duration(seconds) for seconds in (0, 59.4, 59.6, 3599, 3600, 45296)] == ["00:00", "00:59", "01:00", "59:59", "1:00:00", "12:34:56"]
+    made = job(items=[{"frame": frame} for frame in range(4)])
+    assert local._progress(made, 0, 0, 1) == "0 of 4 items are whole"
+    whole(made, 0)
+    monkeypatch.setattr(local, "time", Of(time=lambda: 130.0))
+    assert local._progress(made, 100, 0, 1) == "1 of 4 items are whole, 01:30 remain" and local._progress(made, 100, 1, 1) == "1 of 4 items are whole"
+    assert local.commands(made, [0, 1]) == [f"python3 '{made.folder}/farm.pyz' item '{made.folder}' {number}" for number in (0, 1)]
+
+
+def test_what_comes_after_the_items(job, capsys, monkeypatch):
+    """Missing ones again, twice at most; then what is wrong is told with where it ran."""
+    made = job(items=[{"frame": 1}, {"frame": 2}, {"frame": 3}], movie=None)
+    monkeypatch.setattr(files, "host", lambda: "here")
+    whole(made, 0)
+    files.write_json(made.path("running", "1"), {"host": "node7"})
+    asked = []
+    engine = Of(submit=lambda job, numbers, round_: asked.append((numbers, round_)))
+    assert finish.after(made.folder, 0, engine) == 0 and asked == [([1, 2], 1)]
+    assert capsys.readouterr().out == "2 of 3 items failed; they are tried again\n" and not os.path.exists(made.path("running", "1"))
+    assert finish.after(made.folder, 1, engine) == 0 and finish.after(made.folder, 2, engine) == 1 and len(asked) == 2
+    wrong = [f"item 1 (frame 2): it was killed, or its machine failed; on node7, log {made.folder}/log/1.log",
+             f"item 2 (frame 3): it never began; on no machine, log {made.folder}/log/2.log"]
+    assert capsys.readouterr().out.splitlines()[1:] == wrong and files.read_json(made.path("finished.json")) == {"wrong": wrong}
+    assert os.listdir(made.path("frames")) == ["0.png"]
+
+    def refuses(*_words):
+        raise files.Refusal("sbatch: no such partition")
+    assert finish.after(made.folder, 0, Of(submit=refuses)) == 1
+    assert capsys.readouterr().err == f"sbatch: no such partition; go on with: libshade-farm resume {made.folder}\n"
+
+
+def test_a_movie(job, monkeypatch):
+    """Of all frames in their order, of a still none; numbers in an EXR are light, of one of its layers."""
+    made, asked = job(items=[{"frame": 5}, {"frame": 3}]), []
+    for number in (0, 1):
+        whole(made, number)
+    monkeypatch.setattr(finish.shutil, "which", lambda name: "/bin/ffmpeg")
+
+    def run(words, **_options):
+        folder = os.path.dirname(words[-1])
+        asked.append([word.replace(folder, "F") for word in words])
+        links.append([os.readlink(os.path.join(folder, name)) for name in sorted(os.listdir(folder))])
+        pathlib.Path(words[-1]).touch()
+        return Of(returncode=status, stderr="a warning\nno codec\n" if status else "")
+    monkeypatch.setattr(finish.subprocess, "run", run)
+    links, status = [], 0
+    assert finish.movie(made) == f"movie: {made.folder}/frames/a.mp4" and os.path.exists(made.path("frames/a.mp4")) and not os.listdir(made.path("work"))
+    assert asked == [["ffmpeg", "-nostdin", "-v", "error", "-framerate", "25", "-i", "F/%06d.png", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-pix_fmt", "yuv420p",
+                      "-crf", "18", "F/movie.mp4"]]
+    assert links == [[made.path("frames", f"{number}.png") for number in (0, 1)]]
+    monkeypatch.setattr(finish, "pictures", lambda _job: ["a/1.EXR", "a/2.EXR"])
+    made.said["movie"]["layer"] = "L.Combined"
+    finish.movie(made)
+    assert asked[1][4:11] == ["-apply_trc", "iec61966_2_1", "-layer", "L.Combined", "-framerate", "25", "-i"] and asked[1][11] == "F/%06d.exr"
+    status = 1
+    assert finish.movie(made) == "no movie: ffmpeg says: no codec"
+    monkeypatch.setattr(finish.shutil, "which", lambda name: None)
+    assert finish.movie(made) == f"no movie: ffmpeg is not installed here; frames are in {made.folder}/frames"
+    monkeypatch.setattr(finish, "pictures", lambda _job: ["a/1.exr"])
+    assert finish.movie(made) == ""
+    made.said["movie"] = None
+    assert finish.movie(made) == ""
+
+
+# ---- Slurm
+
+
+def test_what_is_asked_of_slurm(job, monkeypatch, capsys):
+    made, asked = job(), []
+
+    def call(*words):
+        asked.append(list(words))
+        return "MaxArraySize            = 10\n" if words[0] == "scontrol" else f"{100 + len(asked)};cluster\n"
+    monkeypatch.setattr(slurm, "_call", call)
+    monkeypatch.setattr(slurm, "check", lambda: None)
+    assert slurm.submit(made, [0, 1, 2, 5, 12, 13], 1) == 0
+    run = f"exec python3 '{made.folder}/farm.pyz'"
+    common = lambda name: ["sbatch", "--parsable", f"--job-name={name}", f"--chdir={made.folder}", "--output=log/slurm.out", "--open-mode=append"]
+    assert asked == [["scontrol", "show", "config"],
+                     [*common("a"), "--array=0-2,5", "--requeue", "--cpus-per-task=2", "--mem=4G", f"--wrap={run} item '{made.folder}' $SLURM_ARRAY_TASK_ID"],
+                     [*common("a"), "--array=2-3", "--requeue", "--cpus-per-task=2", "--mem=4G", f"--wrap={run} item '{made.folder}' $((10 + SLURM_ARRAY_TASK_ID))"],
+                     [*common("a-merge"), "--dependency=afterany:102:103", "--kill-on-invalid-dep=yes", "--requeue", "--cpus-per-task=2", "--mem=4G",
+                      f"--wrap={run} merge '{made.folder}' --round 1"]]
+    assert files.read_json(made.path("engine.json")) == {"engine": "slurm", "ids": ["102", "103", "104"], "round": 1}
+    assert capsys.readouterr().out == f"submitted 6 items as 102, 103, the merge as 104; see: libshade-farm status '{made.folder}'\n"
+    assert [slurm._spec(numbers) for numbers in ([3], [5, 1, 2], [1, 3, 5])] == ["3", "1-2,5", "1,3,5"]
+    shown = slurm.commands(made, [0])
+    assert len(shown) == 2 and "afterany:ARRAY1 " in shown[1] and "--round 0" in shown[1]
+    monkeypatch.setattr(slurm, "_call", lambda *words: (_ for _ in ()).throw(files.Refusal("no")))
+    assert "--array=0-1000 " in slurm.commands(made, list(range(1500)))[0] and "--array=0-498 " in slurm.commands(made, list(range(1500)))[1]
+
+
+def test_what_slurm_says(job, monkeypatch):
+    made = job()
+    monkeypatch.setattr(slurm, "_call", lambda *words: told[words[0]])
+    files.write_json(made.path("engine.json"), {"engine": "slurm", "ids": ["7", "8"]})
+    told = {"squeue": "7_0|RUNNING|None|node1\n7_1|PENDING|JobHeldUser|\n7_2|PENDING|launch failed requeued held|\n8|PENDING|Dependency|\nodd\n",
+            "sinfo": "node1|mixed|none\nnode2|drained|a lamp \nnode2|drained|a lamp\nnode3|down*|gone|more\n"}
+    free = "free it with: scontrol"
+    assert slurm.state(made) == (3, [f"7_1 is held (JobHeldUser); {free} release 7_1", f"7_2 is held (launch failed requeued held); {free} release 7_2",
+                                     f"node node2 is drained (a lamp); {free} update nodename=node2 state=resume",
+                                     f"node node3 is down* (gone|more); {free} update nodename=node3 state=resume"])
+    told["squeue"] = "7_0|RUNNING|None|node1\n"
+    assert slurm.state(made) == (1, [])
+    told["squeue"] = ""
+    assert slurm.state(made) == (0, [f"Slurm knows no more of it; go on with: libshade-farm resume '{made.folder}'"])
+    files.write_json(made.path("finished.json"), {"wrong": []})
+    assert slurm.state(made) == (0, [])
+    asked = []
+
+    def refuses(text):
+        def call(*words):
+            asked.append(words)
+            raise files.Refusal(text)
+        return call
+    monkeypatch.setattr(slurm, "_call", refuses("squeue: Invalid job id specified"))
+    assert slurm.state(made) == (0, []) and asked[0] == ("squeue", "-h", "-r", "-j", "7,8", "-o", "%i|%T|%r|%N")
+    slurm.cancel(made)
+    assert ("scancel", "7", "8") in asked
+    monkeypatch.setattr(slurm, "_call", refuses("squeue: Unable to contact slurm controller"))
+    assert slurm.state(made) == (None, ["squeue: Unable to contact slurm controller; what follows is known by markers alone"])
+    with pytest.raises(files.Refusal, match="Unable to contact"):
+        slurm.cancel(made)
+    files.remove(made.path("engine.json"))
+    slurm.cancel(made)
+    monkeypatch.undo()
+    for words, said in ((["sh", "-c", "echo one >&2; echo two >&2; exit 3"], "sh: two"), (["sh", "-c", "exit 3"], "sh: ended with 3"), (["/none"], "/none: .*No such file")):
+        with pytest.raises(files.Refusal, match=said):
+            slurm._call(*words)
+    assert slurm._call("echo", "a") == "a\n"
+
+
+# ---- renderers
+
+
+def options(**more):
+    return Of(**{"words": [], "frames": None, "tiles": None, "shares": None, "programs": {"blender": "blender"}, "environment": {}, **more})
+
+
+def test_pov_ray_is_asked(job, tmp_path):
+    """By names of Latin letters; a tile's rows and columns count from one, the clock is of the frames that were asked for."""
+    scene = tmp_path / "é.pov"
+    scene.touch()
+    (tmp_path / "w.ini").write_text("")
+    made, work = job(scene=str(scene), words=["+W80", str(tmp_path / "w.ini")]), tmp_path / "work"
+    plain = ["/p/povray", "+Llibrary0", "+Llibrary1", "+W80", "words1.ini", "-D", "+WT2", "+Iscene.pov", "+Opicture"]
+    for one, more, name in (({"frame": None}, [], "a.png"), ({"frame": 3}, ["+KFI1", "+KFF9", "+SF3", "+EF3"], "a_0003.png"),
+                            ({"frame": None, "tile": [0, 10, 32, 20]}, ["+SC1", "+EC32", "+SR11", "+ER30"], "a.png")):
+        work.mkdir()
+        log = Log(["picture.png"])
+        assert povray.render(made, one, str(work), log) == [name] and log.asked == [([*plain, *more], str(work))] and (work / name).exists()
+        assert [os.readlink(work / link) for link in ("library0", "library1", "scene.pov", "words1.ini")] == [str(tmp_path), "/lib", str(scene), str(tmp_path / "w.ini")]
+        povray.shutil.rmtree(work)
+    work.mkdir()
+    made.said["clock"] = True
+    log = Log(["picture1.png", "picture2.png"])
+    with pytest.raises(files.Refusal, match="POV-Ray wrote 2 pictures, and one was expected"):
+        povray.render(made, {"frame": 3}, str(work), log)
+    assert log.asked[0][0][-2:] == ["+SF3", "+EF3"] and "+KFI1" not in log.asked[0][0]
+
+
+def test_what_a_scene_of_pov_ray_needs(tmp_path):
+    home, library = tmp_path / "home", tmp_path / "library"
+    for path, text in ((home / "a.pov", '#include "b.inc" // "c.inc"\n/* "c.inc" */ image_map { png "d.png" } "e\\"f"'), (home / "b.inc", '#include "l.inc"'), (home / "c.inc", ""),
+                       (home / "d.png", '"c.inc"'), (library / "l.inc", ""), (library / "b.inc", ""), (home / "s.ini", "Width = 64 ; columns\nHeight=48\nFinal_Frame=9\n")):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+    said = povray.examine(str(home / "a.pov"), options(words=[str(home / "s.ini"), f"+L{library}", "+A0.2"]))
+    assert sorted(said["inputs"]) == sorted(map(str, (home / "a.pov", home / "b.inc", home / "d.png", library / "l.inc", home / "s.ini")))
+    assert {name: said[name] for name in ("frames", "size", "samples", "cloth", "programs", "rate", "grid", "clock", "libraries", "words", "no_tiles")} == {
+        "frames": [None], "size": [64, 48], "samples": 0, "cloth": False, "programs": ["povray"], "rate": 24, "grid": 32, "clock": True, "libraries": [str(library)],
+        "words": [str(home / "s.ini"), "+A0.2"], "no_tiles": ""}
+    ask = lambda *words: povray.examine(str(home / "a.pov"), options(words=["+W64", "+H48", *words]))
+    assert not ask()["clock"] and ask("+KFF9")["clock"] and ask("Height=50")["size"] == [64, 50] and ask("-w32")["size"] == [32, 48]
+    assert ask("+FN")["no_tiles"] == ask("+FN16")["no_tiles"] == "" and ask("+FE")["no_tiles"] == ask("Output_File_Type=J")["no_tiles"] == "tiles are joined as PNG (+FN) only"
+    (home / "a.pov").write_text("global_settings { radiosity { } }")
+    assert ask()["no_tiles"].startswith("radiosity gathers light over what is rendered")
+
+
+def header(**more):
+    return {"pictures": [{"layer": "V", "passes": [1], "scene": {"width": 40, "height": 24, "samples": 20, **more}}]}
+
+
+def test_saved_scenes(job, tmp_path):
+    assert saved.about(header(), []) == {"size": [40, 24], "corner": [0, 0], "samples": 20, "cloth": False, "layer": "V.Combined", "no_tiles": "", "no_shares": ""}
+    part = saved.about(header(region=[8, 4, 20, 14], cloths=[1]), ["--samples", "7"])
+    assert (part["size"], part["corner"], part["samples"], part["cloth"]) == ([12, 10], [8, 10], 7, True)
+    assert saved.about(header(time_limit=1.0), [])["no_tiles"].startswith("the scene has a Time Limit") and saved.about(header(adaptive_threshold=.1), [])["no_shares"].startswith(
+        "the scene has adaptive sampling")
+    assert [saved.words_for_number(words, "samples") for words in (["--samples=9"], ["--samples", "9"], ["--samples"], ["--sample", "9"], ["--samples", "x"], [])] == [9, 9, *[None] * 4]
+    with pytest.raises(files.Refusal, match="pictures, each with scene, width, height and samples"):
+        saved.about({"pictures": []}, [])
+    path, text = tmp_path / "a.shscene", json.dumps({"pictures": header()["pictures"] * 2}).encode()
+    path.write_bytes(b"shscene\n" + struct.pack("<II", len(text), 1) + text + b"arrays")
+    said = saved.examine(str(path), options())
+    assert (said["frames"], said["inputs"], said["programs"], said["layer"]) == ([None], [str(path)], ["shade-render"], "V.Combined")
+    for data, wrong in ((b"other\n", "\"shscene\" must be its first line"), (b"shscene\n" + struct.pack("<II", 3, 1) + b"{x}", "its header must be JSON")):
+        path.write_bytes(data)
+        with pytest.raises(files.Refusal, match=wrong):
+            saved.header_of(str(path))
+    with pytest.raises(files.Refusal, match="none.shscene: No such file"):
+        saved.header_of(str(tmp_path / "none.shscene"))
+    made, log = job(scene="/x/a.shscene"), Log()
+    assert saved.render(made, {}, "/w", log) == ["a.exr"] and saved.render(made, {"tile": [1, 2, 3, 4], "share": [5, 6]}, "/w", log) == ["part.shshare"]
+    assert saved.merge(made, None, [({}, ["/r/0"]), ({}, ["/r/1"])], "/w", log) == ["a.exr"]
+    assert [words for words, _folder in log.asked] == [
+        ["/s/render", "/x/a.shscene", "-o", "/w/a.exr", "--threads", "2", "+A"],
+        ["/s/render", "/x/a.shscene", "-o", "/w/part.shshare", "--threads", "2", "+A", "--tile", "11,22,3,4", "--share", "5,6"],
+        ["/s/render", "/x/a.shscene", "--merge", "/r/0", "/r/1", "-o", "/w/a.exr", "--threads", "2"]]
+
+
+def test_blender_is_asked(job, tmp_path):
+    """Whole frames of it, parts of scenes that it saves: of each view layer one."""
+    made, work = job(scene="/x/a.blend", words=["-E", "CYCLES"]), tmp_path / "work"
+    work.mkdir()
+    log = Log(["a_0003.png"])
+    log.work = work
+    assert blender.render(made, {"frame": 3}, str(work), log) == ["a_0003.png"]
+    words = log.asked[0][0]
+    assert words[:10] == ["/b/blender", "-b", "--addons", "libshade", "/x/a.blend", "--python-exit-code", "1", "-t", "2", "-E"] and words[11] == "--python-expr"
+    assert "def examine" in words[12] and words[13:16] == ["--", "--farm", "render"] and json.loads(words[16]) == {"frame": 3, "place": f"{work}/a_0003"}
+    log = Log(["frame.shscene", "frame-left.shscene"])
+    log.work = work
+    assert blender.render(made, {"frame": 3, "share": [0, 4]}, str(work), log) == ["frame-left.shshare", "frame.shshare"]
+    assert log.asked[0][0][15] == "save" and json.loads(log.asked[0][0][16]) == {"frame": 3, "place": f"{work}/frame.shscene"}
+    assert log.asked[1][0] == ["/s/render", f"{work}/frame-left.shscene", "-o", f"{work}/frame-left.shshare", "--threads", "2", "--share", "0,4"]
+    log.asked.clear()
+    parts = [({}, [f"/r/{number}/frame-left.shshare", f"/r/{number}/frame.shshare"]) for number in (0, 1)]
+    assert blender.merge(made, 3, parts, str(work), log) == ["a_0003-left.exr", "a_0003.exr"]
+    assert log.asked[2][0] == ["/s/render", f"{work}/frame.shscene", "--merge", "/r/0/frame.shshare", "/r/1/frame.shshare", "-o", f"{work}/a_0003.exr", "--threads", "2"]
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    for one, said in (({"frame": 1}, "Blender wrote no picture"), ({"frame": 1, "tile": [0, 0, 1, 1]}, "Blender saved no scene")):
+        with pytest.raises(files.Refusal, match=said):
+            blender.render(made, one, str(empty), Log())
+
+
+def test_what_a_file_of_blender_needs(monkeypatch, tmp_path):
+    scene, program = tmp_path / "a.blend", tmp_path / "blender"
+    about = {"inputs": [str(scene)], "frames": [1, 9, 2], "frame": 4, "rate": 25, "engine": "LIBSHADE", "composites": False, "sequences": False}
+    with pytest.raises(files.Refusal, match="a.blend: no such file"):
+        blender.examine(str(scene), options())
+    scene.touch()
+
+    def ask(_scene, _options, task, place, frame=None):
+        asked.append((task, frame))
+        if task == "examine":
+            files.write_json(place, about)
+        else:
+            for name, one in (("frame.shscene", header()), ("frame-b.shscene", header(cloths=[1]))):
+                text = json.dumps(one).encode()
+                (pathlib.Path(place).parent / name).write_bytes(b"shscene\n" + struct.pack("<II", len(text), 1) + text)
+    asked, real = [], blender._ask
+    monkeypatch.setattr(blender, "_ask", ask)
+    plain = {"frames": [4], "all_frames": [1, 9, 2], "rate": 25, "inputs": [str(scene)], "programs": ["blender"], "no_tiles": "", "no_shares": ""}
+    assert blender.examine(str(scene), options()) == plain and asked == [("examine", None)]
+    found = blender.examine(str(scene), options(tiles=(1, 2)))
+    assert (found["programs"], found["cloth"], found["size"], found["layer"], asked[-1]) == (["blender", "shade-render"], True, [40, 24], "V.Combined", ("save", 4))
+    for more, said in (({"engine": "CYCLES"}, "the file's engine is CYCLES: only libshade renders tiles and shares; give -E LIBSHADE behind --"),
+                       ({"composites": True}, "the file composites or edits its frames after they are rendered"), ({"sequences": True}, "the file composites or edits")):
+        before = dict(about)
+        about.update(more)
+        assert blender.examine(str(scene), options(shares=2))["no_tiles"].startswith(said)
+        about.update(before)
+    program.write_text("#!/bin/sh\necho starts\necho \"$SAYS\"\nexit $STATUS\n")
+    program.chmod(0o755)
+    for says, status, wrong in (("Engine 'LIBSHADE' not available", 0, "the file's engine LIBSHADE is not there: install and enable its add-on, or name its folder by BLENDER_USER_SCRIPTS"),
+                                ("  File Error: no room ", 1, "a.blend: Blender: File Error: no room"), ("", 3, "a.blend: Blender: ended with 3")):
+        with pytest.raises(files.Refusal, match=wrong):
+            real(str(scene), options(programs={"blender": str(program)}, environment={"SAYS": says, "STATUS": str(status)}), "pack")
+    with pytest.raises(files.Refusal, match="none: cannot be run: No such file or directory; install Blender, or name it by --program blender=PATH"):
+        real(str(scene), options(programs={"blender": "/none"}), "pack")
+
+
+def test_lists_of_commands(job, tmp_path):
+    listed = tmp_path / "a.items"
+    listed.write_text(json.dumps({"folder": "/f", "inputs": ["x", "/y"], "items": [{"name": "one", "words": ["cp", "a"]}, {"name": "two", "words": ["ls"]}]}))
+    why = "commands have neither tiles nor shares"
+    assert commands.examine(str(listed), options()) == {"frames": [0, 1], "names": ["one", "two"], "inputs": [str(listed), "/f/x", "/y"], "programs": [], "no_tiles": why,
+                                                        "no_shares": why, "no_frames": True}
+    with pytest.raises(files.Refusal, match="a.items: commands have no frames"):
+        commands.examine(str(listed), options(frames="1"))
+    log = Log()
+    assert commands.render(job(scene=str(listed)), {"frame": 1}, str(tmp_path), log) == ["1.txt"] and log.asked == [(["ls"], "/f")]
+    for text in ('{"folder": "", "inputs": [], "items": []}', "no JSON", '{"items": [{"name": "x", "words": ["a", 1]}], "folder": "", "inputs": []}'):
+        listed.write_text(text)
+        with pytest.raises(files.Refusal, match="JSON with folder, inputs and items, each with a name and words, was expected"):
+            commands.examine(str(listed), options())
+    with pytest.raises(files.Refusal, match=r"a.png: its name must end in .shscene, .blend, .pov, .items"):
+        renderers.of("a.png")
+    assert renderers.of("a/B.POV") is povray
+
+
+# ---- results and files
+
+
+def test_a_result_is_taken_once(job, tmp_path):
+    """The quicker copy's stays; one that a disk has damaged gives way."""
+    made = job()
+    whole(made, 0, seconds=1.0)
+    told = files.read_json(made.path("results/0/item.json"))
+    assert told["seconds"] == 1 and told["files"][0]["path"] == "0.png" and told["files"][0]["size"] == 1 and made.result("0") == [made.path("results/0/0.png")]
+    work = pathlib.Path(made.path("work/again"))
+    work.mkdir()
+    (work / "0.png").write_text("y")
+    made.take("0", str(work), ["0.png"])
+    assert pathlib.Path(made.path("results/0/0.png")).read_text() == "x" and made.missing() == [1]
+    pathlib.Path(made.path("results/0/0.png")).write_text("z")
+    assert made.is_whole("0") and not made.is_whole("0", thorough=True)
+    made.take("0", str(work), ["0.png"])
+    assert pathlib.Path(made.path("results/0/0.png")).read_text() == "y"
+    pathlib.Path(made.path("results/0/0.png")).write_text("longer")
+    assert made.missing() == [0, 1] and not made.is_whole("7")
+    place = tmp_path / "shown/a.png"
+    files.publish(made.path("results/0/0.png"), str(place))
+    assert os.path.samefile(place, made.path("results/0/0.png")) and os.listdir(place.parent) == ["a.png"]
+    files.write_json(str(tmp_path / "x.json"), {"a": "é"})
+    assert (tmp_path / "x.json").read_text(encoding="utf-8") == '{\n "a": "é"\n}\n' and (tmp_path / "x.json").stat().st_mode & 0o777 == 0o644
+    assert files.read_json(str(tmp_path / "none"), 5) == 5 and files.told(str(tmp_path / "x.json"), "n")["path"] == "n"
+
+
+def test_what_a_renderer_says_at_its_end(tmp_path, monkeypatch):
+    log = item.Log(str(tmp_path / "log"))
+    for words, said in ((["sh", "-c", "echo one; echo ' two '; echo; exit 4"], "^sh ended with 4: two$"), (["sh", "-c", "exit 4"], "^sh ended with 4: it said nothing$"),
+                        (["/none"], "^/none: cannot be run: No such file or directory; --program says where it is$")):
+        with pytest.raises(files.Refusal, match=said):
+            log.run(words)
+    monkeypatch.setenv("LIBSHADE_ISA", "avx512")
+    with pytest.raises(files.Refusal, match="^this machine has no avx512, to which items are held$"):
+        log.run(["echo", "warning: LIBSHADE_ISA 'avx512': no"])
+    assert log.run(["sh", "-c", "pwd; echo $A"], folder="/", environment={"A": "b"}) == "/\nb\n"
+    assert "in /: sh -c 'pwd; echo $A'" in (tmp_path / "log").read_text()
