@@ -49,6 +49,31 @@ def test_blocks_go_whole():
         povray_common.without("sky { ", r"\bsky")
 
 
+def test_what_takes_the_place_of_light_that_has_none():
+    """Suns for a sky, a lamp for what shines; a lamp that fades stays a point; what was taken out is said."""
+    text, left = povray_common.common("metals", """#version 3.7; // a comment with area_light
+global_settings { assumed_gamma 1 radiosity { count 1 } max_trace_level 9 }
+background { rgb 1 }
+sky_sphere { pigment { rgb 1 } }
+light_source { <1, 2, 3>, rgb 1 area_light x, y, 3, 3 adaptive 1 jitter }
+light_source { 0, rgb 1 fade_distance 2 }
+box { 0, 1 finish { emission 3 } }
+sphere { 0, 1 normal { bumps } finish { tangent x } }
+plane { pigment { rgb 0.18 }
+  finish { ambient 0 diffuse 0.6 } }
+""")
+    assert [re.sub(r"\s+", " ", lamp).strip() for lamp in re.findall(r"light_source {([^{}]*)}", text)] == [
+        "<1, 2, 3>, rgb 1 parallel point_at 0", "0, rgb 1 fade_distance 2", "<1.9, 3.6, 9>, rgb <0.5, 0.5, 0.5> parallel point_at 0",
+        "<6, 5, -6>, rgb <0.35, 0.4, 0.5> parallel point_at 0", "<-9, 4, 1>, rgb <0.5, 0.45, 0.35> parallel point_at 0"]
+    assert left == ["radiosity", "POV-Ray's own patterns of normals", "the sky: three suns and a dark background", "panels and bulbs that shine", "lamps with a size as sharp ones",
+                    "lamps as suns from where they are", "reflections and ambient light", "strokes along an axis lean by .06 degrees"]
+    assert "global_settings { max_trace_level 1 ambient_light rgb 0  assumed_gamma 1" in text and "box" not in re.sub("box { <", "", text) and "sphere { 0, 1  finish { tangent <1, 1e-6, 1e-3> } }" in text
+    assert text.endswith("background { rgb 0.02 }\n") and "clipped_by { box { <-60, -1, -12>, <60, 1, 40> } }" in text
+    text, left = povray_common.common("embossed", '#version 3.7;\nglobal_settings { }\nsky_sphere { }\npng "basket.png" ')
+    assert "#version 3.7;\nlight_source { <-5, 8, -6>, rgb 1  parallel point_at 0 }\n" in text and text.count("light_source") == 1
+    assert left == ["the map's filter", "the sky: a dark background", "a sun in place of what shines", "reflections and ambient light"]
+
+
 @pytest.fixture
 def small(monkeypatch):
     monkeypatch.setattr(study, "METAL", {"Blender": study.Look(10, 16, 1, 2), "POV-Ray": study.Look(10, 16, 1, 2)})

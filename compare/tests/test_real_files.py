@@ -459,3 +459,49 @@ def test_packages_are_fetched_once(tmp_path, fetched):
     root_of("deb", "there", "2", tmp_path)  # another version than is installed
     assert [words for words, *_ in fetched] == ["Fetching there 2", "Unpacking there"] and fetched[0][1][-2:] == ["download", "there=2"]
     assert fetched[1][1][:2] == ["dpkg-deb", "-x"] and not (tmp_path / "part").exists()
+
+
+# ---- materials.py
+
+
+def test_materials_are_made_and_shown(tmp_path, monkeypatch, capsys):
+    """In each Blender by its own Python; with --results with grooves that follow bumps, too."""
+    blender, bpy = (tmp_path / name for name in ("blender", "python"))
+    for program in (blender, bpy):
+        program.write_text(f'#!/bin/sh\necho $* >>{tmp_path}/asked; env >{tmp_path}/env; for last; do :; done; [ -e {tmp_path}/fails ] && echo no node && exit 9\ntouch "$last"\n')
+        program.chmod(0o755)
+    monkeypatch.setattr(materials.programs, "BLENDER", str(blender))
+    monkeypatch.setattr(real_files, "BPY", bpy)
+    monkeypatch.setattr(real_files, "missing", lambda options, rows: options.output.mkdir(exist_ok=True))
+    monkeypatch.setenv("PYTHONPATH", "/none")
+    shown, kept = [], []
+
+    def both(row, options, file):
+        shown.append((row["material"], file, options.grooves))
+        return {**row, **real_files.EMPTY, "state": "rendered", "difference": 0.04}
+    monkeypatch.setattr(real_files, "both", both)
+    monkeypatch.setattr(materials, "keep", lambda found, options: kept.append({grooves: len(of) for grooves, of in found.items()}))
+    out = tmp_path / "out"
+    first, second = (row["material"] for row in materials.listed(materials.arguments([]))[:2])
+    assert materials.main(["--output", str(out), "--filter", f": ({first}|{second}),"]) == 0
+    script = f"{materials.programs.HERE}/materials_make.py"
+    assert (tmp_path / "asked").read_text().splitlines() == [f"-b --factory-startup --python-exit-code 9 -P {script} -- {out}/materials-3.4.blend", f"{script} -- {out}/materials-5.0.blend"]
+    assert "PYTHONPATH" not in (tmp_path / "env").read_text()
+    assert shown == [(first, f"{out}/materials-3.4.blend", False), (second, f"{out}/materials-5.0.blend", False)] and not kept
+    said = capsys.readouterr()
+    assert [line.rpartition(" (")[0] for line in said.err.splitlines()] == [f"1/2 materials: {first}, 3.4: 0.04", f"2/2 materials: {second}, 5.0: 0.04"]
+    assert "2 of 2 within 0.05 (100.0 %)" in said.out and (out / "results.csv").read_text().count("\n") == 3
+    shown.clear()
+    assert materials.main(["--output", str(out), "--filter", f": {first},", "--results"]) == 0 and [grooves for *_, grooves in shown] == [False, True] and kept == [{False: 1, True: 1}]
+    shown.clear()
+    assert materials.main(["--output", str(out), "--filter", f": {first},", "--grooves", "--blender", "5.0"]) == 0 and shown == [(first, f"{out}/materials-5.0.blend", True)]
+    capsys.readouterr()
+    assert materials.main(["--filter", f": {first},", "--list"]) == 0 and capsys.readouterr().out == f"materials: {first}, 3.4\n"
+    assert materials.main(["--filter", "no such"]) == 1 and capsys.readouterr().out == "none matches\n"
+    (tmp_path / "fails").touch()
+    with pytest.raises(real_files.report.StepFailed, match="materials-3.4.blend: not made\nno node"):
+        materials.file_of("3.4", out)
+    given = materials.arguments([])
+    assert (given.size, given.noise, given.cap, given.seconds, given.timeout, given.threads) == (96, .015, 4096, 30, 240, 0) and given.share == pytest.approx(57 / 61)
+    usual = real_files.arguments([])
+    assert (usual.size, usual.noise, usual.limit, usual.share, usual.every, usual.count) == (128, .01, .05, .9, 1, 0)

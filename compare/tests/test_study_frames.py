@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """study_frames.py without a renderer: the sphere's numbers, what is compared of a picture, findings on altered rows."""
+import json
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +10,7 @@ import pytest
 import sphere
 import study_frames as study
 
-COST = 1.3
+COST = 1.4
 
 
 def test_normals_are_those_of_the_displaced_points():
@@ -214,3 +216,62 @@ def test_a_line_for_each_renderer(rows, monkeypatch):
     drawn = [container.lines[0].get_xydata() for container in axes.containers]
     assert len(drawn) == 5 and np.allclose(drawn[0], [(samples, .01) for samples in counts])
     study.style.pyplot.close("all")
+
+
+def test_the_plate_is_rendered_in_blender(monkeypatch, tmp_path):
+    """In the system's, or by another's Python; what it says of the time, by job."""
+    jobs_of = study.plate_jobs
+    asked = []
+
+    def step(text, command, log, environment):
+        asked.append((text, command, log, environment))
+        order = json.loads((tmp_path / "jobs.json").read_text())
+        assert (order["normal_map"], order["result"]) == (f"{tmp_path}/normals.exr", f"{tmp_path}/seconds.json") and [job["n"] for job in order["jobs"]] == [1, 2]
+        for job in order["jobs"]:
+            study.pictures.write_float(job["output"], np.full((2, 2, 3), job["n"], np.float32))
+        (tmp_path / "seconds.json").write_text('{"seconds": [[1.5], [2, 3]], "blender": "3.4.1"}')
+    monkeypatch.setattr(jobs_of.report, "step", step)
+    monkeypatch.setattr(jobs_of.plate, "normal_map", lambda size: np.full((2, 2, 3), size / 4096, np.float32))
+    jobs = {name: {"n": number, "output": str(tmp_path / f"{name}.exr")} for number, name in ((1, "a"), (2, "b"))}
+    made, seconds, version = jobs_of.run(tmp_path, jobs)
+    assert ({name: picture.mean() for name, picture in made.items()}, seconds, version) == ({"a": 1, "b": 2}, {"a": [1.5], "b": [2, 3]}, "3.4.1")
+    assert study.pictures.read(tmp_path / "normals.exr").mean() == .5
+    jobs_of.run(tmp_path, jobs, python="/p/python", normals=np.zeros((2, 2, 3), np.float32))
+    assert study.pictures.read(tmp_path / "normals.exr").mean() == 0
+    script, programs = study.programs.HERE / "plate_render.py", study.programs
+    assert [command for _text, command, *_ in asked] == [programs.blender(script, tmp_path / "jobs.json"), ["/p/python", str(script), "--", f"{tmp_path}/jobs.json"]]
+    assert {(text, log) for text, _command, log, _environment in asked} == {("Rendering the plate 2 times", tmp_path / "blender.log")} and asked[0][3] == programs.ADD_ON
+
+
+def test_the_scene_in_pov_ray(monkeypatch, tmp_path):
+    """The same sun and material, z into the picture; samples are a larger picture's means, and each turn is timed."""
+    frames, clock, asked = study.frames_povray, iter(range(99)), []
+
+    def step(text, command, log, folder):
+        asked.append(command)
+        width, height = (int(word[2:]) for word in command[4:6])
+        picture = np.zeros((height, width, 3), np.float32)
+        picture[::2] = 1
+        study.pictures.write_float(tmp_path / "povray.exr", picture)
+        assert log == tmp_path / "povray.log" and folder == tmp_path
+        return "Persistence of Vision\nPOV-Ray 3.8.0-beta\n" if len(asked) > 1 else ""
+    monkeypatch.setattr(frames.report, "step", step)
+    monkeypatch.setattr(frames.time, "perf_counter", lambda: float(next(clock)))
+    found = frames.run(tmp_path, "plate", 8, (.05, .3), (1, 2), 2)
+    assert [command[1:] for command in asked] == [["frame.pov", "+Opovray.exr", "+FE", f"+W{side}", f"+H{side}", "-D", "-A"] for side in (8, 8, 16, 16)]
+    assert asked[0][0] == study.programs.POVRAY
+    assert {side: (picture.shape, picture[0, 0, 0], seconds, version) for side, (picture, seconds, version) in found.items()} == {
+        1: ((8, 8, 3), 1, [1, 1], "POV-Ray 3.8.0-beta"), 2: ((8, 8, 3), .5, [1, 1], "POV-Ray 3.8.0-beta")}
+    text = " ".join((tmp_path / "frame.pov").read_text().split())
+    sun = frames.plate.SUN
+    for words in (f"light_source {{ <{sun[0]:.9f}, {sun[1]:.9f}, {-sun[2]:.9f}> * 100 rgb 1/pi parallel point_at 0 }}", "ggx 0.05, 0.3 brdf microfacet specular rgb 1 detail rotate",
+                  "fresnel none horizon hard tangent uv", "orthographic location <0, 0, -2> right x up y direction z", 'bump_image { exr "normals.exr" }', "assumed_gamma 1"):
+        assert words in text
+    mesh = (tmp_path / "mesh.inc").read_text()
+    block = lambda name, mesh=mesh: [[float(v) for v in row.split(",")] for row in re.findall("<(.*?)>", re.search(rf"(?s){name} {{ (\d+),\n(.*?)\n}}", mesh)[2])]
+    corners, flat = block("vertex_vectors"), block("uv_vectors")
+    assert sorted(corners) == [[-.5, -.5, 0], [-.5, .5, 0], [.5, -.5, 0], [.5, .5, 0]] and np.allclose(np.array(corners)[:, :2] + .5, flat) and "normal_vectors" not in mesh
+    assert len(block("face_indices")) == 2 and {*sum(block("face_indices"), [])} == {0, 1, 2, 3}
+    monkeypatch.setattr(frames.sphere, "mesh", lambda count, relief: (np.array([[0, 0, 1.0]] * 4), np.array([[0, .6, .8]] * 4), np.array([[0, 1, 2, 3]]), np.zeros((4, 2))))
+    ball = frames.mesh_text("sphere")
+    assert block("vertex_vectors", ball) == [[0, 0, -1]] * 4 and block("normal_vectors", ball) == [[0, .6, -.8]] * 4 and block("face_indices", ball) == [[0, 1, 2], [0, 2, 3]]
