@@ -25,7 +25,7 @@ import renderers  # noqa: E402
 from engines import local, slurm  # noqa: E402
 from renderers import blender, commands, povray, saved  # noqa: E402
 
-COST = 0.7
+COST = 0.9
 
 spec = importlib.util.spec_from_file_location("farm_main", ROOT / "farm/__main__.py")
 main = importlib.util.module_from_spec(spec)
@@ -103,7 +103,9 @@ def test_options_and_their_defaults():
                                                            "resume render what is missing", "item one item, on this machine", "merge frames of their parts, and the movie"))
     assert "Exit status: 0 done, 1 something is missing or refused, 2 bad usage, 130 after Ctrl-C, which loses no whole item." in said
     said = " ".join(one.help for one in tasks["submit"]._actions)
-    for text in ("(default NAME-farm-1, -2, ...)", "(default: its current frame, a still)", "(default local)", "(default: local, all cores over all items; slurm, 1)",
+    for text in ("print items, inputs and commands, and begin nothing", "copy the scene and what it reads into FOLDER", "each frame in N columns and M rows",
+                 "each frame's samples in K parts", "hold all machines to one instruction set", "another input, whose name the scene puts together", "blender, povray or shade-render",
+                 "(default NAME-farm-1, -2, ...)", "(default: its current frame, a still)", "(default local)", "(default: local, all cores over all items; slurm, 1)",
                  "(default: the .blend's, else 24)", "(LIBSHADE_ISA)", "(made where ffmpeg is found)"):
         assert text in said
 
@@ -143,8 +145,100 @@ def test_programs_and_folders(monkeypatch, tmp_path):
         main.find_program("blender", {"blender": "/none"})
     assert [main.new_folder(None, "a") for _ in range(2)] == [f"{tmp_path}/a-farm-1", f"{tmp_path}/a-farm-2"] and main.new_folder("new/one", "a") == f"{tmp_path}/new/one"
     assert main.new_folder("new/one", "a") == f"{tmp_path}/new/one"  # still empty
+    assert os.path.isdir("new/one")
     with pytest.raises(files.Refusal, match="povray: the folder is not empty; each submission has one of its own"):
         main.new_folder("povray", "a")
+
+
+@pytest.fixture
+def submitted(monkeypatch, tmp_path):
+    """submitted(words) -> (exit status, what was submitted, its items' numbers), by an engine that stands for slurm."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(main, "built", lambda: str(tmp_path / "build"))
+    monkeypatch.delenv("BLENDER_USER_SCRIPTS", raising=False)
+    monkeypatch.setattr(main.os, "sched_getaffinity", lambda _pid: range(12))
+    monkeypatch.setattr(slurm, "check", lambda: checked.append(1))
+    monkeypatch.setattr(slurm, "submit", lambda job, numbers: asked.append((job.said, numbers)) or 7)
+    monkeypatch.setattr(slurm, "commands", lambda job, numbers: [f"sbatch {job.folder} {list(numbers)}"])
+    asked, checked = [], []
+
+    def submitted(*words):
+        asked.clear()
+        status = main.main(["submit", *map(str, words)])
+        return status, *(asked[0] if asked else (None, None))
+    submitted.checked = checked
+    return submitted
+
+
+def test_what_a_submission_keeps(submitted, tmp_path, capsys):
+    """All that items need to know, by job.json; what is not there is warned of; a folder is not one of the inputs."""
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "build/blender/addons/libshade").mkdir(parents=True)
+    (tmp_path / "a.pov").write_text('#include "b.inc"')
+    (tmp_path / "b.inc").touch()
+    status, said, numbers = submitted("a.pov", "--engine", "slurm", "--frames", "1-5/2", "--also", "none.png", "--also", "maps", "--isa", "avx2", "--sbatch=--mem=4G -p 'a b'",
+                                      "--rate", "30", "--", "+W64", "+H64", f"+L{tmp_path}/maps", "+KFF9")
+    assert status == 7 and numbers == [0, 1, 2]
+    told = lambda name: {"path": str(tmp_path / name), "size": (tmp_path / name).stat().st_size, "sha256": files.sha256(tmp_path / name)}
+    assert said == {"version": 1, "scene": f"{tmp_path}/a.pov", "name": "a", "words": ["+W64", "+H64", "+KFF9"], "threads": 1,
+                    "items": [{"frame": frame, "tile": None, "share": None} for frame in (1, 3, 5)], "programs": {"povray": "povray"},
+                    "environment": {"BLENDER_USER_SCRIPTS": f"{tmp_path}/build/blender"}, "isa": "avx2", "engine": "slurm", "sbatch": ["--mem=4G", "-p", "a b"], "range": [1, 5],
+                    "corner": [0, 0], "pictures": True, "libraries": [f"{tmp_path}/maps"], "clock": True, "movie": {"rate": 30, "layer": ""},
+                    "inputs": [told("a.pov"), told("b.inc")]}
+    out = capsys.readouterr()
+    assert out.out == f"3 items; all of it is in {tmp_path}/a-farm-1\n" and out.err == f"libshade-farm: warning: {tmp_path}/none.png: an input is not there\n"
+    assert sorted(os.listdir("a-farm-1")) == ["checked", "failed", "farm.pyz", "frames", "job.json", "log", "results", "running", "work"] and submitted.checked == [1]
+    said = submitted("a.pov", "--engine", "slurm", "--threads", "3", "--no-movie", "--program", "povray=sh")[1]
+    assert (said["threads"], said["movie"], said["programs"], said["range"], said["items"]) == (3, None, {"povray": "sh"}, [None, None], [{"frame": None, "tile": None, "share": None}])
+    status, said, _numbers = submitted("a.pov", "--engine", "slurm", "--pack", "-o", "packed")
+    assert (said["scene"], [one["path"] for one in said["inputs"]]) == ("inputs/a.pov", ["inputs/a.pov", "inputs/b.inc"]) and os.path.isfile("packed/inputs/b.inc")
+    (tmp_path / "far.inc").touch()
+    os.makedirs("in")
+    (tmp_path / "in/c.pov").write_text('#include "../far.inc"')
+    assert submitted("in/c.pov", "--engine", "slurm", "--pack", "-o", "gone")[0] == 1 and not os.path.exists("gone")
+
+
+def test_a_dry_run(submitted, tmp_path, capsys):
+    """Items, inputs with their hashes and commands; nothing is made or asked for. Of its threads all cores over all items, here."""
+    (tmp_path / "a.pov").touch()
+    words = ("a.pov", "--tiles", "2x1", "--dry-run", "--", "+W64", "+H32")
+    assert submitted(*words)[0] == 0 and os.listdir(tmp_path) == ["a.pov"]
+    run = f"python3 {tmp_path}/a-farm-1/farm.pyz item {tmp_path}/a-farm-1"
+    assert capsys.readouterr().out.splitlines() == ["2 items of 6 threads each:", "  item 0 (tile 0,0,32,32)", "  item 1 (tile 32,0,32,32)", "inputs:",
+                                                    f"  {files.sha256(tmp_path / 'a.pov')}  {tmp_path}/a.pov", "commands:", f"  {run} 0", f"  {run} 1"]
+    assert submitted(*words[:3], "--engine", "slurm", "-o", "x", *words[3:])[0] == 0 and not submitted.checked
+    assert capsys.readouterr().out.splitlines()[0::6] == ["2 items of 1 thread each:", f"  sbatch {tmp_path}/x [0, 1]"]
+    assert submitted("none.pov")[0] == 1 and capsys.readouterr().err == f"libshade-farm: {tmp_path}/none.pov: no such file\n"
+
+
+def test_resume_goes_round_what_hangs(submitted, job, monkeypatch, capsys):
+    """What is held or waits is ended first; what failed before is no longer told of."""
+    made, asked = job(movie=None), []
+    monkeypatch.setattr(slurm, "cancel", lambda job: asked.append(job.is_cancelled()))
+    monkeypatch.setattr(local, "submit", lambda job, numbers: asked.append(numbers) or 0)
+    files.write_json(made.path("failed", "1.json"), {"message": "x"})
+    files.write_json(made.path("finished.json"), {})
+    whole(made, 0)
+    assert main.main(["resume", made.folder, "--engine", "local"]) == 0 and asked == [True, [1]]
+    assert not made.is_cancelled() and os.listdir(made.path("failed")) == [] and not os.path.exists(made.path("finished.json"))
+    whole(made, 1)
+    assert main.main(["resume", made.folder]) == 0 and capsys.readouterr().out == "all items are whole\n" and len(asked) == 3 and len(os.listdir(made.path("frames"))) == 2
+    assert main.main(["merge", made.folder]) == 0 and main.main(["item", made.folder, "2"]) == 1
+    assert capsys.readouterr().err == "libshade-farm: item 2: there are 2, from 0 on\n"
+    monkeypatch.setattr(finish, "merge", lambda _job: ["item 1: x"])
+    assert main.main(["merge", made.folder]) == 1 and capsys.readouterr().out == "item 1: x\n"
+    monkeypatch.setattr(finish, "after", lambda folder, round_, engine: (folder, round_, engine) == (made.folder, 2, slurm) and 5)
+    assert main.main(["merge", made.folder, "--round", "2"]) == 5
+
+    def stopped(_options):
+        raise KeyboardInterrupt
+    monkeypatch.setattr(main, "status", stopped)
+    assert main.main(["status", made.folder]) == 130
+
+    def full(_options):
+        raise OSError(28, "No space left on device", "/x")
+    monkeypatch.setattr(main, "status", full)
+    assert main.main(["status", made.folder]) == 1 and capsys.readouterr().err == "libshade-farm: /x: No space left on device\n"
 
 
 # ---- what is said of a submission
