@@ -6,7 +6,9 @@ import importlib.util
 import json
 import os
 import pathlib
+import signal
 import struct
+import subprocess
 import sys
 import time
 from types import SimpleNamespace as Of
@@ -25,7 +27,7 @@ import renderers  # noqa: E402
 from engines import local, slurm  # noqa: E402
 from renderers import blender, commands, povray, saved  # noqa: E402
 
-COST = 0.9
+COST = 1
 
 spec = importlib.util.spec_from_file_location("farm_main", ROOT / "farm/__main__.py")
 main = importlib.util.module_from_spec(spec)
@@ -615,3 +617,83 @@ def test_what_a_renderer_says_at_its_end(tmp_path, monkeypatch):
         log.run(["echo", "warning: LIBSHADE_ISA 'avx512': no"])
     assert log.run(["sh", "-c", "pwd; echo $A"], folder="/", environment={"A": "b"}) == "/\nb\n"
     assert "in /: sh -c 'pwd; echo $A'" in (tmp_path / "log").read_text()
+
+
+def test_what_runs_here_is_ended(job, monkeypatch):
+    """The process that a submission's folder names, if that is still one of ours."""
+    made = job(engine="local")
+    hangs = [f"nothing runs it on {files.host()}; go on with: libshade-farm resume '{made.folder}'"]
+    with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)", "submit"]) as child:
+        while b"submit" not in pathlib.Path(f"/proc/{child.pid}/cmdline").read_bytes():
+            time.sleep(.01)
+        for host, pid, runs in ((files.host(), child.pid, True), ("other", child.pid, False), (files.host(), os.getppid(), False), (files.host(), 0, False)):
+            files.write_json(made.path("engine.json"), {"engine": "local", "pid": pid, "host": host})
+            assert local.state(made) == (None, [] if runs else hangs)
+        local.cancel(made)
+        assert child.poll() is None
+        files.write_json(made.path("engine.json"), {"engine": "local", "pid": child.pid, "host": files.host()})
+        local.cancel(made)
+        assert child.wait(20) == -signal.SIGTERM
+    assert local.state(made) == (None, hangs) and engines.of(made) is local
+    files.write_json(made.path("finished.json"), {})
+    assert local.state(made) == (None, []) and local._words(made, 3) == [sys.executable, made.path("farm.pyz"), "item", made.folder, "3"]
+
+
+def test_an_item_from_begin_to_end(job, monkeypatch, capsys, tmp_path):
+    """Its result, its marks and its words; a part's picture is not shown, what is left beside the result goes."""
+    monkeypatch.setattr(item.signal, "signal", lambda *_words: None)
+    monkeypatch.setattr(files, "host", lambda: "here")
+    (tmp_path / "a.pov").touch()
+    said = [files.told(str(tmp_path / "a.pov"))]
+    made, seen = job(scene=str(tmp_path / "a.pov"), inputs=said, items=[{"frame": 1}, {"frame": 2, "tile": [0, 0, 1, 1]}], isa="sse2", environment={"A_WORD": "b"}), []
+    for name in ("LIBSHADE_ISA", "A_WORD"):
+        monkeypatch.setenv(name, "before")
+
+    def render(one_job, one, work, log):
+        seen.append((files.read_json(made.path("running", "0")), os.environ["LIBSHADE_ISA"], os.environ["A_WORD"], one["frame"], os.stat(work).st_mode & 0o777))
+        for name in ("a.png", "left"):
+            pathlib.Path(work, name).touch()
+        if fails:
+            raise fails
+        return ["a.png"]
+    monkeypatch.setattr(povray, "render", render)
+    files.write_json(made.path("failed", "0.json"), {"message": "before"})
+    fails = None
+    assert item.run(made, 0) == 0 and seen == [({"host": "here", "pid": os.getpid()}, "sse2", "b", 1, 0o755)]
+    assert sorted(os.listdir(made.path("results/0"))) == ["a.png", "item.json"] and os.listdir(made.path("frames")) == ["a.png"]
+    told = files.read_json(made.path("results/0/item.json"))
+    assert (told["host"], told["files"][0]["path"]) == ("here", "a.png") and 0 <= told["seconds"] < 60 and abs(told["ended"] - time.time()) < 60 and told["megabytes"] >= 0
+    assert not any(os.listdir(made.path(name)) for name in ("failed", "running", "work"))
+    lines = [line.split(f" here {os.getpid()}: ")[1] for line in pathlib.Path(made.log(0)).read_text().splitlines()]
+    assert lines == ["item 0 (frame 1)", "done"] and item.run(made, 0) == 0 and capsys.readouterr().out == "item 0 (frame 1) is whole already\n"
+    for fails, status, text in ((files.Refusal("too hot"), 1, "too hot"), (item.Ended(15), 143, "ended by SIGTERM"), (OSError(28, "No space"), 1, "[Errno 28] No space")):
+        assert item.run(made, 1) == status
+        assert capsys.readouterr().out == f"item 1 (frame 2, tile 0,0,1,1): {text}; on here, log {made.log(1)}\n"
+        assert {**files.read_json(made.path("failed", "1.json")), "time": 0} == {"host": "here", "message": text, "log": made.log(1), "time": 0} and not os.listdir(made.path("work"))
+    fails = None
+    assert item.run(made, 1) == 0 and os.listdir(made.path("frames")) == ["a.png"] and made.missing() == []
+    (tmp_path / "a.pov").write_text("x")
+    with pytest.raises(files.Refusal, match="a.pov: an input is another than was submitted; put the old one back, or submit again"):
+        made.check_inputs()
+
+
+def test_frames_of_parts(job, monkeypatch):
+    """Merged once, of whole results; what goes wrong is told by frame, and the others are merged."""
+    parts = [{"frame": frame, "tile": tile} for frame in (1, 2) for tile in ([0, 0, 1, 2], [1, 0, 1, 2])]
+    made, asked = job(items=parts, movie=None), []
+    monkeypatch.setattr(files, "host", lambda: "here")
+    for number in range(4):
+        whole(made, number)
+
+    def merge(one_job, frame, of, work, log):
+        asked.append((frame, of))
+        if frame == 2 and len(asked) < 3:
+            raise files.Refusal("no room")
+        pathlib.Path(work, f"a_{frame}.png").touch()
+        return [f"a_{frame}.png"]
+    monkeypatch.setattr(povray, "merge", merge)
+    pathlib.Path(made.path("work/left")).mkdir()
+    assert finish.merge(made) == [f"merge of frame 2: no room; on here, log {made.folder}/log/f2.log"] and os.path.isdir(made.path("work/left"))
+    assert sorted(asked, key=lambda one: one[0])[0] == (1, [(parts[k], [made.path("results", str(k), f"{k}.png")]) for k in (0, 1)])
+    assert finish.merge(made) == [] and [frame for frame, _of in asked].count(1) == 1 and not os.listdir(made.path("work"))
+    assert sorted(os.listdir(made.path("frames"))) == ["a_1.png", "a_2.png"] == [os.path.basename(path) for path in finish.pictures(made)]
