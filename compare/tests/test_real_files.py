@@ -453,6 +453,7 @@ def test_packages_are_fetched_once(tmp_path, fetched):
     assert root_of("pypi", "p", "1", tmp_path) == wheel and not fetched
     source = root_of("src", "p", "2:1", tmp_path)
     assert source == tmp_path / "p_2_1_src" and sorted(str(path.relative_to(source)) for path in source.rglob("*.blend")) == ["c.blend", "in/a.blend"]
+    assert not list(tmp_path.glob("*.blend"))  # what would lie outside is left out
     assert fetched[0][0] == "apt-get update" and fetched[1][1][-4:] == ["source", "--download-only", "--tar-only", "p=2:1"]
     assert "Dir::Etc::sourcelist=/dev/null" in fetched[1][1] and f"Dir::State::Lists={tmp_path}/apt/lists" in fetched[1][1]
     del fetched[:]
