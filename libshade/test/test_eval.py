@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 
-COST = 1.7
+COST = 2
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
