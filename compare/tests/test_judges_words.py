@@ -10,6 +10,8 @@ import pytest
 from matplotlib import pyplot as plt
 
 import consistency
+import fabric
+import horizon
 import paths
 import pictures
 import plate
@@ -18,7 +20,7 @@ import report
 import slopes
 import truth
 
-COST = 1.5
+COST = 2.2
 
 
 def title(axes):
@@ -382,3 +384,78 @@ def test_what_a_lookup_asks(monkeypatch):
     assert got.shape == (4, 9 + 2 * 4) and np.allclose(got[:, 2], 1) and np.allclose(got[:, [3, 5]], [.01, .02]) and np.allclose(got[:, [9, 13]].sum(1), 1)
     monkeypatch.setattr(slopes.shade, "Scratches", lambda layer, cells: Of(picture=lambda *size: ("height", np.full(size, layer["pits"] + cells), "more")))
     assert slopes.scratch_map(pits=7).tolist() == np.full((8, 8), 7.0).tolist()
+
+
+# ---- horizon.py and fabric.py
+
+
+def test_what_horizons_print_and_draw(monkeypatch, tmp_path, capsys, shown):
+    """By measure, material and where light and eye stand; errors over the mean of the truth, against both elevations."""
+    rows = [{"field": "waves", "material": mdf, "horizon": rule, "light": light, "view": view, "truth": 2.0, "truth_twice": 2.1,
+             "mean": 2.0 + (rule == "hard") * (.4 if light < 15 else .2), "image": (.1 if view < 15 else .2) * (1 + (rule == "hard"))}
+            for mdf in horizon.MATERIALS for rule in ("hard", "valid_estevez") for light in (10.0, 20.0, 40.0) for view in (10.0, 20.0, 40.0)]
+    monkeypatch.setattr(horizon, "measure", lambda options: rows)
+    kept = []
+    monkeypatch.setattr(horizon.results, "write", lambda *words: kept.append(words))
+    assert horizon.main(["--output", str(tmp_path), "--results"]) == 0
+    said = [re.split(r"  +", line.strip()) for line in capsys.readouterr().out.splitlines()]
+    assert said[1] == ["error against displaced bumps", "region", "hard", "valid_estevez"]
+    regions = {"all": (.167, .083, .133, 0), "both above 30°": (.2, .1, .1, 0), "light below 15°": (.167, .083, .2, 0), "eye below 15°": (.1, .05, .133, 0)}
+    assert said[3:27] == [[f"{measure}: {label}", region, *(f"{v:.3f}" for v in found[k:k + 2])] for measure, k in (("picture", 0), ("brightness", 2))
+                          for label in ("Ashikhmin-Shirley", "GGX", "Lambert") for region, found in regions.items()]
+    assert said[27:] == [[""], ["The truth is light reflected once; a second reflection would add 5.0 % to it."], [f"Figures and chart: {tmp_path}"]]
+    (name, _head, columns, lines), = kept
+    assert (name, columns) == ("horizons", ["error of the", "of", "where", "`hard`", "`valid_estevez`"]) and lines[0][:3] == ["picture", "Ashikhmin-Shirley", "all"] and len(lines) == 24
+    assert (tmp_path / "errors.csv").read_text().splitlines()[:2] == ["measure,material,region,hard,valid_estevez", "picture,ashikhmin_shirley,all,0.1667,0.0833"]
+    (figure, _words), = shown
+    grid = np.array(figure.axes).reshape(3, 4)
+    assert [title(axes) for axes in grid[0]] == [f"error of the {name}" for name in ("picture", "picture", "brightness", "brightness")]
+    assert [axes.get_xlabel() for axes in grid[2]] == [f"elevation of the {name}" for name in ("light", "eye")] * 2
+    assert [axes.get_ylabel() for axes in grid[:, 0]] == ["Ashikhmin-Shirley", "GGX", "Lambert"] and all(axes.get_ylim()[0] == 0 and axes.get_xscale() == "log" for axes in grid.flat)
+    assert [tick.get_text() for tick in grid[2, 0].get_xticklabels()] == ["10°", "20°", "40°"]
+    lines = {line.get_label(): line.get_xydata().tolist() for line in grid[0, 2].lines}
+    assert lines == {"hard": [[10, pytest.approx(.2)], [20, pytest.approx(.1)], [40, pytest.approx(.1)]], "valid_estevez": [[10, 0], [20, 0], [40, 0]]}
+    assert np.allclose(grid[0, 1].lines[0].get_ydata(), [.1, .2, .2]) and [text.get_text() for text in figure.legends[0].get_texts()] == ["hard", "valid_estevez"]
+    given = horizon.arguments([])
+    assert (given.points, given.azimuths, given.output) == (64, 5, programs.BUILD / "compare/horizon")
+
+
+@pytest.mark.parametrize("missed", [None, "colour_far", "width_far", "zoom", "zoom_back"])
+def test_what_cloth_from_afar_prints_and_draws(monkeypatch, tmp_path, capsys, shown, missed):
+    """Each of the four is judged by its own limit; the first cloth stands on top, strips grow from near to far, seen from above."""
+    of = {"colour_far": .019, "colour_single": .3, "standard_error": .001, "width_far": .018, "width_single": .4, "zoom": .011, "zoom_back": .009}
+    of.update({missed: .03} if missed else {})
+    extents = np.array([.1, 1, 10])
+    strips = []
+
+    class Cloth:
+        def __init__(self, name):
+            self.name = name
+
+        def shade(self, uv, extent, wi, wo, tier):
+            strips.append((self.name, extent, tier))
+            return np.repeat((uv[:, 1:] / extent / 120), 3, 1)
+    monkeypatch.setattr(fabric, "Cloth", Cloth)
+    monkeypatch.setattr(fabric, "colours", lambda cloth, points: (of["colour_far"], of["colour_single"], of["standard_error"]))
+    monkeypatch.setattr(fabric, "widths", lambda cloth, points: (of["width_far"], of["width_single"]))
+    monkeypatch.setattr(fabric, "zoom", lambda cloth, points: (extents, 1 + np.array([0, .005, .01]), of["zoom"], of["zoom_back"]))
+    images = []
+    monkeypatch.setattr(fabric.pictures, "write_png", lambda path, image: images.append(image))
+    assert fabric.main(["denim", "silk_charmeuse", "--output", str(tmp_path)]) == (1 if missed else 0)
+    said = [re.split(r"  +", line) for line in capsys.readouterr().out.splitlines()]
+    assert said[1] == ["cloth, % of the near model's mean", "far", "one lobe", "std. error", "width far", "width one lobe", "zoom", "back"]
+    assert said[3] == ["denim", *(f"{100 * value:.2f}" for value in of.values())] and said[4][0] == "silk_charmeuse"
+    assert said[6] == [f"{'LIMITS MISSED' if missed else 'Within the limits'}: colour 2 %, width 2 %, zoom 1.2 %. Figures and chart: {tmp_path}"]
+    assert (tmp_path / "fabric.csv").read_text().splitlines()[0] == "cloth,colour_far,colour_single,standard_error,width_far,width_single,zoom,zoom_back"
+    assert (tmp_path / "zoom.csv").read_text().splitlines()[:2] == ["crossings,denim,silk_charmeuse", "0.1,1.0,1.0"]
+    axes = shown[0][0].axes
+    assert [title(one) for one in axes] == ["mean colour, worst of 20 pairs", "second moments of the highlight", "zooming out"]
+    assert [one.get_xlabel() for one in axes] == ["error against the mean of near, % (dotted: limit)"] * 2 + ["crossings a pixel (grey: near gives way to far)"]
+    assert axes[2].get_ylabel() == "change of the patch's mean, %" and axes[2].get_ylim() == pytest.approx((-1.2, 1.2)) and axes[2].get_xscale() == "log"
+    assert [bar.get_width() for bar in axes[0].patches] == pytest.approx([100 * of["colour_far"]] * 2 + [30] * 2) and axes[0].get_xscale() == "log"
+    assert [bar.get_width() for bar in axes[1].patches] == pytest.approx([100 * of["width_far"]] * 2 + [40] * 2) and axes[0].yaxis_inverted() and axes[0].lines[0].get_xdata()[0] == 2
+    assert [tick.get_text() for tick in axes[0].get_yticklabels()] == ["denim", "silk charmeuse"] and [text.get_text() for text in axes[0].get_legend().get_texts()] == ["mixture", "one lobe"]
+    assert [line.get_ydata().tolist() for line in axes[2].lines] == [pytest.approx([0, .5, 1])] * 2
+    assert [text.get_text() for text in axes[2].get_legend().get_texts()] == ["denim", "silk charmeuse"]
+    assert strips == [(name, extent, "auto") for name in ("denim", "silk_charmeuse") for extent in (.08, .2, .4, .7, 1, 1.4, 2, 3, 6)]
+    assert images[0].shape == (2 * 124, 9 * 124, 3) and images[0][2, 10, 0] > images[0][100, 10, 0] > 0  # v upwards

@@ -10,7 +10,7 @@ import pytest
 import page
 import style
 
-COST = 1.2
+COST = 1.3
 
 
 def section(**parts):
@@ -60,6 +60,47 @@ def test_figures_and_tables_are_counted_through_the_page():
     assert 'href="#other-a">Figure&nbsp;3</a>' in linked and "href" not in page.sentence(sections[1], SimpleNamespace(text="so", figure=""), names)
     with pytest.raises(ValueError, match="links 'b'"):
         page.sentence(sections[1], SimpleNamespace(text="so", figure="b"), names)
+
+
+def test_how_a_section_is_made_again():
+    """By command, what it makes: six names at most; the whole of it, and its rows as a file."""
+    said = page.remake(section(commands={"make it": [f"task-{k}" for k in range(7)], "other <": ["one"]}, count=12))
+    assert '<a href="data/speed.csv" download>data/speed.csv</a>, 12 rows.' in said
+    assert "All of this section: <code>build/venv/bin/python compare/report_page.py --only speed</code>" in said
+    assert "<li><code>make it</code><span>task-0, task-1, task-2, task-3, task-4, task-5 …</span></li>" in said and "<li><code>other &lt;</code><span>one</span></li>" in said
+    assert "commands" not in page.remake(section())
+
+
+@pytest.mark.parametrize("count, many", [(7, False), (8, True)])
+def test_wide_tables_are_set_small(count, many):
+    made = page.table(section(), part("t", columns=[f"c{k}" for k in range(count)], rows=[list(range(count))]), {"speed-t": "Table 1"})
+    assert ('class="many"' in made) == many and made.count("<th ") == count and '<b>Table 1.</b> <strong>A &lt; B</strong> <code>x</code> &amp; y' in made
+
+
+def test_a_page_of_its_own_and_the_report():
+    """What stands on the report of a study that has its page, in which order, and where each was measured."""
+    finding = SimpleNamespace(text="So it is.", figure="", holds=True)
+    of = lambda **more: page.Section(**{"name": "speed", "title": "Speed", "intro": "Why.", "findings": [finding], "figures": [part("choice"), part("seen"), part("late")], "tables": [part("t")],
+                                        "commands": {}, "count": 3, **more})
+    lead = SimpleNamespace(text="See.", figure="seen", holds=True)
+    sections = [of(findings=[lead], topic="detail", answers=[SimpleNamespace(surface="is < flat", use="`a`", costs="2 ×", fails="never")]),
+                of(name="atlas", title="Where", apart=True, figures=[part("map")], tables=[part("u")])]
+    head = {"machine": "m", "compiler": "c", "commit": "1234", "date": "today", "command": "make compare"}
+    text = page.html(sections, head, False)
+    order = [text.index(word) for word in ('<a class="skip" href="#answers">To the answers</a>', "libshade · report</p>", "<h1>Speed, accuracy, and where methods fail</h1>",
+                                          '<a href="#answers">What to use</a>', '<a href="#speed">Speed</a>', '<a href="#atlas">Where</a>', '<section id="answers">', 'id="speed-choice"',
+                                          '<section id="speed">', 'id="speed-seen"', '<section id="atlas">', '<a href="atlas.html">Maps, findings and reasons</a>',
+                                          '<section id="appendix">', 'id="speed-late"', '<div class="table" id="speed-t">', "<dt>machine</dt><dd>m</dd>", "<dt>commit</dt><dd>1234</dd>",
+                                          "<dt>made by</dt><dd><code>make compare</code></dd>")]
+    assert order == sorted(order) and "atlas-u" not in text and "quick report" not in text and page.QUICK[:30] not in text
+    assert '<tr><td>is &lt; flat</td><td data-head="use"><a href="#speed">detail</a> <code>a</code></td><td data-head="costs">2 ×</td><td data-head="fails where">never</td></tr>' in text
+    assert [head for head in re.findall(r'<th scope="col">(.*?)</th>', text)][:4] == ["If your surface …", "use", "costs", "fails where"]
+    assert "Figure&nbsp;2" in text and text.count("<b>Figure 1.</b>") == 1
+    quick = page.html(sections, head, True)
+    assert "libshade · quick report" in quick and page.QUICK[:30] in quick
+    alone = page.html(sections[1:], head, False, alone=True)
+    assert "<h1>Where</h1>" in alone and '<a href="report.html">report</a>' in alone and 'id="atlas-map"' in alone and 'id="atlas-u"' in alone and "So it is." in alone
+    assert '<a class="skip" href="#atlas">To the text</a>' in alone and 'id="answers"' not in alone
 
 
 # ---- charts -------------------------------------------------------------------------------------------------

@@ -257,6 +257,11 @@ def test_info():
     text = good("fabric", "linen", "--info")
     shares = [float(x) for x in re.findall(r"(?:warp|weft) (0\.\d+)", text)]
     assert len(shares) == 2 and shares[0] == pytest.approx(shares[1], rel=0.1) and sum(shares) < 1
+    seen, mixture, single = text.splitlines()
+    assert seen.startswith("linen: seen and not occluded: warp 0.")
+    assert all(int(count) > 1 for count in re.fullmatch(r"mixture: (\d+) lobes of warp, (\d+) of weft", mixture).groups())
+    one, other = re.fullmatch(r"single lobe, exponents along and across: warp (\S+) \S+, weft (\S+) \S+", single).groups()
+    assert float(one) > 1 and float(other) == pytest.approx(float(one), rel=0.3)
 
 
 @pytest.mark.parametrize("words, text, code, message", [
