@@ -4,6 +4,7 @@ import importlib.util
 from types import SimpleNamespace
 
 import costs
+import pytest
 
 COST = 0.24
 # What the sum was when it was taken, and a little: it keeps `make check` from growing. Files were measured beside other
@@ -43,3 +44,21 @@ def test_what_takes_longest_begins_first():
         together.setdefault(order.scope(item.nodeid), {})[file] = alone.get(item.nodeid, costs.said(file, "COST", 0))
     spent = [sum(together[order.scope(item.nodeid)].values()) for item in items]
     assert spent == sorted(spent, reverse=True) and spent[0] > 50 * spent[-1] and all(order.scope(name) == name for name in alone)
+
+
+def test_workers_take_whole_files(monkeypatch):
+    """The dearest first; where tests are not dealt out by files xdist keeps its own way."""
+    scheduling = pytest.importorskip("xdist.scheduler")
+    spec = importlib.util.spec_from_file_location("the_order_of_tests", costs.ROOT / "conftest.py")
+    order = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(order)
+    monkeypatch.setattr(scheduling, "LoadFileScheduling", type("Scheduling", (), {"__init__": lambda self, config, log: None}))
+    config = SimpleNamespace(option=SimpleNamespace(), getvalue=lambda name: {"dist": "load"}[name])
+    assert order.pytest_xdist_make_scheduler(config, None) is None and not vars(config.option)
+    config.getvalue = lambda name: {"dist": "loadfile"}[name]
+    made = order.pytest_xdist_make_scheduler(config, None)
+    assert config.option.loadscopereorder is False
+    build = "blender_addon_c/tests/test_native_build.py"
+    test = next(iter(costs.said(build, "ALONE", {})))
+    assert made._split_scope(f"{build}::{test}[x]") == f"{build}::{test}[x]" and made._split_scope(f"{build}::test_x") == build
+    assert made._split_scope("compare/tests/test_report_page.py::test_x") == "report" and made._split_scope("compare/tests/test_flip.py::test_x[a]") == "compare/tests/test_flip.py"

@@ -68,7 +68,7 @@ def git(root):
 
 
 def test_how_each_file_is_compiled(tmp_path):
-    said = "  compile  a.o\nmkdir -p o\ncc -O2 '-DX=a b' -MMD -c src/a.c -o o/a.o\ncc a.o -o a\ncc -c b.c -o o/b.o\n"
+    said = "  compile  a.o\nmkdir -p o\ncc -O2 '-DX=a b' -MMD -c src/a.c -o o/a.o\ncc a.o -o a\ncc -c b.c -o o/b.o\ncc -fsyntax-only -c d.c\ncc x.o y.o\n"
     done = run(sys.executable, ROOT / "setup/compile_commands.py", input=said, cwd=tmp_path)
     assert done.returncode == 0 and json.loads(done.stdout) == [
         {"directory": str(tmp_path), "file": "src/a.c", "output": "o/a.o", "arguments": ["cc", "-O2", "-DX=a b", "-MMD", "-c", "src/a.c", "-o", "o/a.o"]},
