@@ -13,7 +13,7 @@ import dumps
 import programs
 import study_consistency as study
 
-COST = 0.82
+COST = 1
 
 
 def dump(folder, name, change=None, after=None):
@@ -197,3 +197,109 @@ def test_the_reduced_set_has_every_word():
     assert set(shade.choices("detail")) - used["detail"] <= {"none", "deform_linear", "deform_smooth_conserving"}
     assert set(shade.choices("horizon")) - used["horizon"] <= {"valid_estevez", "mutual"}  # which POV-Ray does not have
     assert {"fibre", "fibre_view", "max_normal", "lambert"} <= used["diffuse"]
+
+
+# ---- how a scene goes through both renderers
+
+
+@pytest.fixture
+def rendered(monkeypatch, tmp_path):
+    """Every step that is asked for, in order; pictures are of the renderer's number and the size asked for."""
+    asked = []
+
+    def ours(options):
+        asked.append(("Blender", options.scene.name, options.percent, options.samples))
+        study.pictures.write_float(options.output / "blender.exr", np.full((2, options.percent, 3), options.percent / 100, np.float32))
+        return options.percent, 2
+
+    def theirs(options, width, height, over=1):
+        asked.append(("POV-Ray", width, height, over))
+        study.pictures.write_float(options.output / "povray.exr", np.full((height * over, width * over, 3), 1, np.float32))
+    monkeypatch.setattr(study.consistency, "render_blender", ours)
+    monkeypatch.setattr(study.consistency, "render_povray", theirs)
+    monkeypatch.setattr(study.consistency, "dump_povray", lambda options, width, height: asked.append(("dump", width, height)))
+    monkeypatch.setattr(study, "checked_row", lambda scene, variant, name, file, folder: {"kind": "check", "of": (scene, variant, name, file.name)})
+    monkeypatch.setattr(study.dumps, "read", lambda file: f"dump {file.name}")
+    monkeypatch.setattr(study.dumps, "swap_handedness", lambda dump: f"swapped {dump}")
+    monkeypatch.setattr(study, "own_uv", lambda first, second, shapes: asked.append(("uv", first, second, shapes)))
+    monkeypatch.setattr(study, "pair_row", lambda scene, variant, pair: {"kind": "pair", "of": pair})
+    monkeypatch.setattr(study, "picture_row", lambda scene, variant, shown: {"kind": "picture", "of": [image.shape for image in shown]})
+    monkeypatch.setattr(study, "worst_tiles", lambda folder, scene, variant, shown: [{"kind": "tile", "of": (scene, variant)}])
+    monkeypatch.setattr(study.report, "step", lambda text, command, log, environment=None, **_more: asked.append((text, [str(word).replace(f"{tmp_path}/", "") for word in command], log.name)))
+    return asked
+
+
+def test_one_scene_in_both(rendered, tmp_path):
+    """A dump may be smaller than the picture: it is then rendered last, by one sample; POV-Ray's picture is a larger one's means."""
+    write = lambda options: rendered.append(("written", options.scene.name))
+    said = []
+    rows = study.both("ball", "as it is", tmp_path / "ball.blend", tmp_path / "out", study.Look(40, 64, 2, 4), said.append, write)
+    assert rendered == [("Blender", "ball.blend", 40, 64), ("written", "ball.blend"), ("dump", 40, 2), ("POV-Ray", 40, 2, 4)] and said == ["as it is"]
+    assert [row["kind"] for row in rows] == ["check", "check", "pair", "picture", "tile"] and [row["of"] for row in rows[:2]] == [
+        ("ball", "as it is", "Blender", "blender_dump.exr"), ("ball", "as it is", "POV-Ray", "povray_dump.exr")]
+    assert rows[2]["of"] == ["dump blender_dump.exr", "swapped dump povray_dump.exr"] and rows[3]["of"] == [(1, 20, 3)] * 2 and (tmp_path / "out/povray").is_dir()
+    rendered.clear()
+    rows = study.both("povray/net", study.IN_BOTH, tmp_path / "net.blend", tmp_path / "far", study.Look(40, 64, 1, 1, 10), said.append, write)
+    assert rendered == [("Blender", "net.blend", 40, 64), ("Blender", "net.blend", 10, 1), ("written", "net.blend"), ("dump", 10, 2), ("POV-Ray", 40, 2, 1),
+                        ("uv", "dump blender_dump.exr", "swapped dump povray_dump.exr", True)]
+    assert rows[3]["of"] == [(2, 40, 3)] * 2 and study.pictures.read(tmp_path / "far/blender.exr").mean() == pytest.approx(.4)
+
+
+def test_examples_go_through_both(rendered, tmp_path, monkeypatch):
+    """Each as it is in its own renderer, then what both can show; by its own look, or that of metal or cloth."""
+    looks = []
+    monkeypatch.setattr(study, "both", lambda scene, variant, path, folder, look, say, write=None: looks.append((scene, variant, path.name, folder.name, look, write)) or [{"kind": "both"}])
+    (tmp_path / "left_out.json").write_text('["soft lamps"]')
+    script = lambda name: f"{study.programs.HERE}/{name}.py"
+    rows = study.blender_example("dial")(tmp_path, lambda _text: None)
+    assert [row["kind"] for row in rows] == ["check", "left", "both"] and looks.pop()[:5] == ("dial", "in both", "common.blend", "both", study.Look(25, 64, 1, 4))
+    first, picture, common = rendered
+    assert first[0] == "Making the scene" and first[1][-4:] == [script("example_scene"), "--", str(study.BLENDER["dial"]), str(tmp_path)]
+    assert picture == ("Blender", "scene.blend", 30, 4) and common[0] == "Changing what one renderer cannot show" and common[1][-3:] == [script("example_common"), "--", str(tmp_path)]
+    assert "scene.blend" in common[1]
+    rendered.clear()
+    study.blender_example("drape")(tmp_path, lambda _text: None)
+    assert rendered[1] == ("Blender", "scene.blend", 7, 4) and looks.pop()[4] == study.Look(20, 144, 4, 4, 5)
+    study.blender_example("table")(tmp_path, lambda _text: None)
+    assert looks.pop()[4] == study.Look(15, 64, 1, 4)
+    monkeypatch.setattr(study.povray_common, "common", lambda name, text: (f"common {name} {'fabric' * ('fabric' in text)}", ["a sky"]))
+    for name, text, look, size, more in (
+            ("net", "fabric { } radiosity { a } samples 12\n", study.Look(25, 144, 4, 4, 10), (96, 54), "fabric { }  samples 1\nlight_source { <-5, 8, -6>, rgb 1 }\n"),
+            ("embossed", "// build/shade weave --name basket -o build/basket.png\nlight_source { 0 }\n", study.Look(25, 400, 4, 6), (192, 108),
+             "// build/shade weave --name basket -o build/basket.png\nlight_source { 0 }\n")):
+        rendered.clear()
+        path = tmp_path / "example" / f"{name}.pov"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+        rows = study.povray_example(path)(tmp_path, lambda _text: None)
+        assert [row["kind"] for row in rows] == ["check", "left", "both"] and rows[0]["of"] == (f"povray/{name}", "as it is", "POV-Ray", "povray_dump.exr")
+        assert (tmp_path / "scene.pov").read_text() == more
+        *woven, dumped, made = rendered
+        assert dumped[0] == "Dumping in POV-Ray" and dumped[1][1:] == ["+Iscene.pov", f"+L{tmp_path}", "+Lexample", "+Opicture.png", f"+W{size[0]}", f"+H{size[1]}", "-A", "-D"]
+        assert made[1][-4:] == [script("povray_twins"), "--", name, str(tmp_path)] and [step[1][1:] for step in woven] == (
+            [["weave", "--name", "basket", "--size", "1024", "-o", "basket.png"]] if name == "embossed" else [])
+        scene, variant, blend, folder, found, write = looks.pop()
+        assert (scene, variant, blend, folder, found) == (f"povray/{name}", "in both", "scene.blend", "both", look)
+        (tmp_path / "w/povray").mkdir(parents=True, exist_ok=True)
+        write(SimpleNamespace(output=tmp_path / "w"))
+        assert (tmp_path / "w/povray/scene.pov").read_text().startswith(f"common {name}")
+        assert (tmp_path / "w/povray/scene.ini").read_text() == f'Input_File_Name=scene.pov\nLibrary_Path="{tmp_path}"\n'
+
+
+def test_scenes_said_once_and_variants(rendered, tmp_path, monkeypatch):
+    looks, maps = [], []
+    monkeypatch.setattr(study, "both", lambda scene, variant, path, folder, look, say: looks.append((scene, variant, path.name, folder.name, look)) or [])
+    monkeypatch.setattr(study.plate, "normal_map", lambda size: maps.append(("plate", size)) or np.zeros((2, 2, 3), np.float32))
+    monkeypatch.setattr(study.sphere, "normal_map", lambda rows: maps.append(("sphere", rows)) or np.zeros((2, 2, 3), np.float32))
+    study.twin("swatches")(tmp_path, lambda _text: None)
+    assert looks.pop() == ("swatches", "as it is", "scene.blend", "out", study.Look(24, 256, 4, 4)) and maps == [("plate", 512), ("sphere", 2048)]
+    assert rendered.pop()[1][-3:] == ["--", "swatches", str(tmp_path)] and (tmp_path / "bumps.exr").exists() and (tmp_path / "scratches.exr").exists()
+    study.demo({"ggx": {"distribution": "GGX"}}, 20)(tmp_path, lambda _text: None)
+    assert looks == [("suzanne", "as it is", "scene.blend", "scene", study.Look(20)), ("suzanne", "ggx", "ggx.blend", "ggx", study.Look(20))]
+    assert rendered[0][1][-1] == "variants.json" and (tmp_path / "variants.json").read_text() == '{"ggx": {"distribution": "GGX"}}'
+    tasks = {task.key: task for task in study.tasks(False)}
+    assert tasks["suzanne"].seconds == 150 and tasks["suzanne"].command == "compare/consistency.py build/demo/suzanne.blend --percent 30"
+    assert tasks["twin-swatches"].seconds == 30 and tasks["blender-table"].command == "examples/blender/table/make_scene.py"
+    assert tasks["povray-metals"].command == "the command at the top of metals.pov" and study.tasks(True)[0].command.endswith("--percent 20")
+    inside = {path.name for path in map(type(tmp_path), tasks["suzanne"].needs)}
+    assert {"export_povray.py", "povray_twins.py", "twin_scenes.py", "example_common.py", "_native.abi3.so"} <= inside
