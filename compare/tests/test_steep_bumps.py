@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bumps among bumps: the traced truth beside other programs' numbers and beside what a flat metal must give."""
+import os
+import re
+import time
+
 import pytest
 
 import steep_bumps as bumps
 
-COST = 1.7
+COST = 1.9
 
 
 def traced(tmp_path, *order):
@@ -82,3 +86,68 @@ def test_words_that_are_none_are_refused(wrong, capsys):
     with pytest.raises(SystemExit) as ended:
         bumps.arguments(wrong)
     assert ended.value.code == 2 and "wants" in capsys.readouterr().err
+
+
+# ---- what is traced, printed and kept
+
+
+def test_what_is_traced(monkeypatch, tmp_path):
+    """Each case once, by a file that says what it is of, until the program changes; fields that are uneven by fewer paths."""
+    program = tmp_path / "bumps"
+    program.write_text(f'#!/bin/sh\necho "$@" >>{tmp_path}/asked\n[ ! -e {tmp_path}/fails ] || {{ echo no memory >&2; exit 3; }}\n'
+                       'echo "surface,slope,mdf,first,second,eye,reflectance,light,way,value,again" >$1\necho "$2,$3,$4,$5,$6,30,1,even,hard,.5,.25" >>$1\n')
+    program.chmod(0o755)
+    monkeypatch.setattr(bumps, "PROGRAM", program)
+    options = bumps.arguments(["--output", str(tmp_path), "--surfaces", "sine,noise", "--slopes", ".3,1", "--long", "--uneven", "--paths", "9000"])
+    rows = bumps.measure(options)
+    asked = [line.split() for line in (tmp_path / "asked").read_text().splitlines()]
+    cases = {tuple(words[1:]) for words in asked}
+    lobes = [("ggx", alpha, alpha) for alpha in ("0.05", "0.2", "0.4")]
+    long = [("ggx", "0.05", "0.4"), ("ggx", "0.4", "0.05"), ("ashikhmin_shirley", "200", "10"), ("ashikhmin_shirley", "10", "200")]
+    uneven = {(surface, slope, "ggx", alpha, alpha, "8000") for surface in ("fractal", "long_and_fine", "roofs", "letter", "pits", "scratches", "half")
+              for slope in ("0.6", "1.0") for alpha in ("0.05", "0.2")}
+    assert cases == {(surface, slope, *lobe, "9000") for surface in ("sine", "noise") for slope in ("0.3", "1.0") for lobe in lobes + (long if surface == "noise" else [])} | uneven
+    assert len(asked) == len(cases) == len(rows) and asked[0][0].startswith(str(tmp_path)) and (tmp_path / "pits-0.6-ggx-0.05-0.05-8000.csv").exists()
+    first = next(row for row in rows if row["surface"] == "pits")
+    assert {key: first[key] for key in ("slope", "mdf", "light", "value", "again")} == {"slope": .6, "mdf": "ggx", "light": "even", "value": .5, "again": .25}
+    bumps.measure(options)
+    assert len((tmp_path / "asked").read_text().splitlines()) == len(asked)
+    os.utime(program, (time.time() + 9,) * 2)
+    case = ("sine", .3, ("ggx", .2, .2))
+    bumps.trace(options, case)
+    assert len((tmp_path / "asked").read_text().splitlines()) == len(asked) + 1
+    (tmp_path / "fails").touch()
+    with pytest.raises(bumps.report.StepFailed, match="bumps: exit status 3: no memory"):
+        bumps.trace(options, case)
+    given = bumps.arguments([])
+    assert (given.paths, given.surfaces, given.slopes, given.long, given.uneven, given.output.name) == (20000, ["noise", "sine", "ridges_across", "ridges_along"], [.3, .6, 1, 1.6], False, False, "bumps")
+
+
+def test_what_is_printed_and_kept(monkeypatch, tmp_path, capsys):
+    """A line for each surface, lobe, light and slope: median and 95 % of each way, in per cent; which groups got worse."""
+    made = []
+    for surface in ("noise", "pits"):
+        for first, second in ((.2, .2), (.05, .4)):
+            for light, old, new in (("even", .89, .8), ("zenith", .89, .88), ("sun_5_0", .5, .5)):
+                of = {"surface": surface, "first": first, "second": second}
+                made += [{**row(way, light, value), **of} for way, value in (("displaced", 1.0), (bumps.OLD, old), ("mutual", new))]
+    monkeypatch.setattr(bumps, "measure", lambda options: made)
+    kept = []
+    monkeypatch.setattr(bumps.results, "write", lambda *words: kept.append(words))
+    assert bumps.main(["--output", str(tmp_path), "--results"]) == 0
+    said = [re.split(r"  +", line.strip()) for line in capsys.readouterr().out.splitlines()]
+    assert said[1] == ["Error of the mean beside displaced bumps, in per cent: median / 95 % of the cases"]
+    assert said[2] == ["surface", "lobes", "light", "slope", "cases", "valid_estevez", "mutual", "noise of the truth"]
+    line = lambda surface, lobes, light: [surface, lobes, light, "1.0", "2", "11.0 / 11", "16.0 / 20", "0.0 / 0.0"]
+    pits = "even, zenith, horizon"
+    assert said[4:12] == [line("noise", "round", "skies"), line("noise", "long", "skies"), line("all even surfaces", "round", "skies"), line("all even surfaces", "long", "skies"),
+                          line("pits", "round", pits), line("pits", "long", pits), line("all uneven surfaces", "round", pits), line("all uneven surfaces", "long", pits)]
+    assert said[12:] == [["mutual: 4 of 8 groups more than 3 points worse than valid_estevez"], [f"All values: {tmp_path}"]]
+    (name, _head, columns, cells), = kept
+    assert (name, columns[5:]) == ("bumps", ["`valid_estevez`", "`mutual`", "noise of the truth"]) and len(cells) == 8
+    groups = (tmp_path / "groups.csv").read_text().splitlines()
+    assert groups[0] == "way,surface,slope,mdf,first,second,sky,median,95 %,valid_estevez median,valid_estevez 95 %" and len(groups) == 5 and all(",even," in group for group in groups[1:])
+    assert (tmp_path / "errors.csv").read_text().splitlines()[0].startswith("surface,lobes,light,slope,cases") and len((tmp_path / "bumps.csv").read_text().splitlines()) == 37
+    assert [bumps.said(pair) for pair in ((1.26, 9.94), (1.26, 12.6))] == ["1.3 / 9.9", "1.3 / 13"]
+    off = bumps.spread([{"error": value / 100} for value in range(-100, 1)])
+    assert off == (50, pytest.approx(95))
