@@ -297,14 +297,15 @@ def test_what_was_mended_is_said():
     said = shade.Status()
     assert not said and str(said) == "ok"
     assert shade.D(shade.Material(), [0, 0, -1.0], [0, 0, 1.0], status=said) >= 0
-    assert str(said) == "clamped normal" and "clamped normal" in said and "bad input" not in said
+    assert str(said) == "clamped normal" and repr(said) == "<shade.Status: clamped normal>" and "clamped normal" in said and "bad input" not in said
     f = shade.eval(shade.Material(), None, [np.nan, 0, 1], [0, 0, 1], status=said).f
-    assert f.tolist() == [0, 0, 0] and "bad input" in said and said.bits == 6
+    assert f.tolist() == [0, 0, 0] and "bad input" in said and said.bits == 6 and str(said) == "clamped normal, bad input"
 
 
 def test_materials():
     material = shade.Material(mdf="GGX", ax=0.2, ay=0.5, f0=0.3)
     assert (material.mdf, material.ax, material.f0) == ("ggx", 0.2, (0.3, 0.3, 0.3))
+    assert {"mdf", "brdf", "detail", "groove", "diffuse", "horizon", "multiscatter", "ex", "ey", "ax", "ay", "f0", "f82", "eta", "k", "kd", "slopes", "replace", "json"} <= set(dir(material))
     other = material.replace(detail="gram-schmidt", ex=98.0)
     assert other.detail == "gram_schmidt" and other.ax == pytest.approx(math.sqrt(2 / 100)) and other.ay == 0.5
     assert material.detail == "rotate" and material.ax == 0.2
