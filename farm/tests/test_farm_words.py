@@ -698,3 +698,27 @@ def test_frames_of_parts(job, monkeypatch):
     assert sorted(asked, key=lambda one: one[0])[0] == (1, [(parts[k], [made.path("results", str(k), f"{k}.png")]) for k in (0, 1)])
     assert finish.merge(made) == [] and [frame for frame, _of in asked].count(1) == 1 and not os.listdir(made.path("work"))
     assert sorted(os.listdir(made.path("frames"))) == ["a_1.png", "a_2.png"] == [os.path.basename(path) for path in finish.pictures(made)]
+
+
+@pytest.mark.parametrize("obeys", [True, False])
+def test_a_renderer_is_ended_with_its_item(tmp_path, monkeypatch, obeys):
+    """Asked to end first; killed where it has not after twenty seconds."""
+    asked = []
+
+    class Child:
+        def wait(self, seconds=None):
+            asked.append(("wait", seconds))
+            if len(asked) == 1:
+                raise item.Ended(15)
+            if seconds and not obeys:
+                raise subprocess.TimeoutExpired("renderer", seconds)
+
+        def terminate(self):
+            asked.append("terminate")
+
+        def kill(self):
+            asked.append("kill")
+    monkeypatch.setattr(item.subprocess, "Popen", lambda *_words, **_options: Child())
+    with pytest.raises(item.Ended):
+        item.Log(str(tmp_path / "log")).run(["renderer"])
+    assert asked == [("wait", None), "terminate", ("wait", 20), *([] if obeys else ["kill", ("wait", None)])]

@@ -269,7 +269,13 @@ def test_cloth_passes(cloth):
         apart = [cell[tier] for cell in report["cells"] if tier in cell]
         assert apart and all(0 < part["values"] and part["limit"] == limit and part["over"] == 0
                              for part in apart)
-    assert "cloth far" in check(cloth).stdout
+    said = re.findall(r"^apart: material (\d+), light (\d+), cloth (\w+): (\d+) values, largest error (\S+) at \((\d+), (\d+)\), beyond doubt (\S+) \(limit (\S+)\), "
+                      r"(\d+) over it, of their sum (\S+) \(limit (\S+)\)$", check(cloth).stdout, re.M)
+    told = [(cell["material"], cell["light"], tier, cell[tier]) for cell in report["cells"] for tier in ("far", "single") if tier in cell]
+    assert [(int(line[0]), int(line[1]), line[2], int(line[3])) for line in said] == [(*of, part["values"]) for *of, part in told]
+    for line, (*_of, part) in zip(said, told):
+        assert [float(line[k]) for k in (4, 7, 8, 10, 11)] == pytest.approx([part[word] for word in ("largest", "beyond_doubt", "limit", "sum", "sum_limit")], rel=1e-3)
+        assert [int(line[k]) for k in (5, 6, 9)] == [part["x"], part["y"], part["over"]]
 
 
 def lit_cloth(dump, tier):
