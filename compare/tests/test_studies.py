@@ -485,8 +485,9 @@ def test_brightness_under_horizons(monkeypatch, tmp_path):
         return [{"material": mdf, "horizon": rule, "light": light, "eye": eye, "truth": 2.0, "mean": 2.0 + light / 100 + (rule == "hard") - 2 * (eye == 80), "image": .25}
                 for mdf in (NAME, "ggx") for rule in HORIZONS for light in (5, 80) for eye in (5, 80)]
     monkeypatch.setattr(study_horizons.horizon, "measure", measure)
-    rows = study_horizons.cast(16, 5)(tmp_path, lambda _text: None)
-    assert asked == [(16, 5, tmp_path)] and not (tmp_path / "horizon.csv").exists()
+    said = []
+    rows = study_horizons.cast(16, 5)(tmp_path, said.append)
+    assert said == ["casting rays"] and asked == [(16, 5, tmp_path)] and not (tmp_path / "horizon.csv").exists()
     assert [(row["distribution"], row["method"], row["light"]) for row in rows] == [(mdf, rule, light) for mdf in (NAME, "ggx") for rule in HORIZONS for light in (5, 80)]
     assert [(row["kind"], row["truth"], row["picture"]) for row in rows] == [("error", 4, .5)] * 24
     assert [row["error"] for row in rows[:4]] == pytest.approx([1.05 + .95, 1.8 + .2, .05 + 1.95, .8 + 1.2])
@@ -538,8 +539,9 @@ def test_lobes_are_judged_by_the_mean_colour(monkeypatch):
     monkeypatch.setattr(study_lobes.slopes, "shaded", lambda mdf, first, second, fine, wi, wo: np.array([2.0]))
     monkeypatch.setattr(study_lobes.slopes, "look_up", lambda pyramid, footprint, mdf, pair, lobes: (footprint, lobes, pair == study_lobes.slopes.LOBES[mdf]))
     monkeypatch.setattr(study_lobes.slopes, "mean_colours", lambda mdf, got, lobes: 2 + np.array([0, .1, .2, .3]) * got[0] / lobes * got[2])
-    rows = study_lobes.errors("waves", ("ggx",), (4, 16))(None, lambda _text: None)
-    assert [(row["footprint"], row["lobes"]) for row in rows] == [(size, lobes) for size in (4, 16) for lobes in (1, 2, 3, 4, 6, 8)]
+    said = []
+    rows = study_lobes.errors("waves", ("ggx",), (4, 16))(None, said.append)
+    assert said == ["ggx"] and [(row["footprint"], row["lobes"]) for row in rows] == [(size, lobes) for size in (4, 16) for lobes in (1, 2, 3, 4, 6, 8)]
     for row in rows:
         share = row["footprint"] / row["lobes"] / 2
         assert (row["error"], row["error_low"], row["error_high"]) == (pytest.approx(.15 * share), pytest.approx(.075 * share), pytest.approx(.225 * share))
