@@ -303,3 +303,23 @@ def test_scenes_said_once_and_variants(rendered, tmp_path, monkeypatch):
     assert tasks["povray-metals"].command == "the command at the top of metals.pov" and study.tasks(True)[0].command.endswith("--percent 20")
     inside = {path.name for path in map(type(tmp_path), tasks["suzanne"].needs)}
     assert {"export_povray.py", "povray_twins.py", "twin_scenes.py", "example_common.py", "_native.abi3.so"} <= inside
+
+
+def test_what_the_sentences_say():
+    check = {"kind": "check", "scene": "dial", "variant": "as it is", "mean": 1e-6, "beyond": 1e-7, "values": 500, "far_values": 0, "far_over": 0, "far_sum": 0.0, "mean_limit": 1e-5,
+             "ok": 1, "missed": ""}
+    pair = {"kind": "pair", "scene": "dial", "variant": "in both", "apart": .001, "least": "Ns", "share": .99876, "limit": .995, "ok": 1, "missed": ""}
+    picture = {"kind": "picture", "scene": "dial", "variant": "in both", "difference": .0123, "limit": .02, "flip": .0314, "flip_limit": .05, "ok": 1}
+    rows = [{**check, "renderer": "Blender", "error": 3e-5, "limit": 1e-4}, {**check, "renderer": "POV-Ray", "error": 2e-7, "limit": 1e-5, "scene": "povray/net"},
+            pair, {**pair, "scene": "cloth_ball", "share": .9971, "least": "light0.L", "variant": "as it_is"}, picture, {**picture, "difference": .004, "flip": .04}]
+    reference, same, shown = study.findings(rows)
+    assert reference.text == ("2 of 2 dumps are shaded as the reference says, 1000 values in all: Blender within 3e-05 of each value and POV-Ray within 2e-07 of each value, "
+                              "but for what the rounding of a dump's directions explains.")
+    assert same.text == ("Both renderers see the same in 2 scenes, 2 times of 2: point, normals, tangent, light and material of a pixel agree in 99.71% of all pixels or more "
+                         "(the least is light0.L of cloth ball, as it is).")
+    assert shown.text == "Their pictures differ by 1.2 % of the mean at most, channel by channel, and look the same: FLIP 0.040 at most in the mean."
+    assert all(finding.holds and finding.figure == "matrix" for finding in (reference, same, shown))
+    assert study.tables(rows)[0].rows == [["dial", "as it is", "ok, 3.0e-05", None, None, None, None], ["povray/net", "as it is", None, "ok, 2.0e-07", None, None, None],
+                                          ["dial", "in both", None, None, "ok, 99.876%", "ok, 1.2 %", "ok, 0.031"], ["cloth_ball", "as it is", None, None, "ok, 99.710%", None, None]]
+    table, = study.tables(rows)
+    assert list(table.columns) == ["scene", "variant", "Blender, reference", "POV-Ray, reference", "dump, dump", "picture, picture", "FLIP"]
