@@ -315,6 +315,11 @@ def test_samples_are_raised_until_seeds_agree(tmp_path, monkeypatch):
     assert render.apart(np.ones((8, 8, 3)), np.full((8, 8, 3), 3.0)) == 1 and render.apart(*np.zeros((2, 8, 8, 3))) == 0
     checks = np.indices((8, 8)).sum(0)[..., None] % 2 * np.ones(3)
     assert render.apart(checks, 1 - checks) == 0  # of means
+    rows = np.zeros((14, 8, 3))  # two rows of which no block is whole
+    rows[3:5] = 4
+    shown = np.zeros((14, 8, 3))
+    shown[:8] = 1
+    assert render.apart(rows, shown) == 0 and render.apart(rows[:, ::-1], np.roll(shown, 4, 0)) == 1
 
 
 # ---- how they are rendered, by programs that stand for others

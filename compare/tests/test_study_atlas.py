@@ -252,9 +252,24 @@ def test_regions_are_named(rows):
     assert any(r.name == "unexplained" for r in atlas_regions.regions(strange))
 
 
+TITLES = {
+    "half-rotation": "Rotation, as printed and corrected: D′ over tilt and half vector", "half-warp": "Warps of the disc: D′ over tilt and half vector",
+    "half-usual": "What renderers do: D′ over tilt and half vector", "half-slopes": "Ward, Beckmann, GGX: D′ over tilt and half vector", "energy": "Light made or lost",
+    "displaced": "Displacement of the peak", "lobe": "Lobes of any width", "rounding": "Rounding", "albedo": "White furnace", "spread": "Sampling weights",
+    "pairs": "Exchange of light and eye", "wide": "Jumps of lobes of any width", "peak": "Displacement of the peak of lobes of any width",
+    "narrow-albedo": "White furnace, lobes of any width", "narrow-spread": "Sampling weights, lobes of any width", "narrow-pairs": "Exchange of light and eye, lobes of any width",
+    "beam": "Light that grazes: what a beam gives back", "pairs-eye": "Exchange of light and eye, by the eye's angle", "steps-eye": "Jumps of f cos, by the eye's angle",
+    "pairs-light": "Exchange of light and eye, by the light's angle", "steps-light": "Jumps of f cos, by the light's angle", "fibre": "The fibre integral as printed"}
+
+
 def test_maps_name_what_fails(rows):
     """Each region's name stands on a map of its kind, the SVG is well formed and holds no number of a NaN."""
     figures = {f.id: f for f in study_atlas.figures(rows)}
+    assert {name: figure.title for name, figure in figures.items()} == TITLES
+    assert all("Outlined: " in figure.caption and figure.caption.endswith(f" Made by `{study_atlas.COMMAND}`.") and len(figure.alt) > 40 for figure in figures.values())
+    assert [(table.id, list(table.columns)[:8]) for table in study_atlas.tables(rows)] == [
+        ("regions", ["region", "form", "default", "where", "measure", "at its worst", "why, and instead", "--at"]),
+        ("jumps", ["of", "where", *(f"at {distance:g} rad" for distance in sorted({row["distance"] for row in study_atlas.of(rows, "jump")}, reverse=True)), "jump"])]
     shown = "".join(f.svg for f in figures.values())
     for region in atlas_regions.regions(rows):
         assert f">{atlas_charts.html.escape(region.name)}<" in shown, region
