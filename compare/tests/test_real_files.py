@@ -5,6 +5,7 @@ import sys
 import tarfile
 import zipfile
 from types import ModuleType, SimpleNamespace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -511,3 +512,23 @@ def test_materials_are_made_and_shown(tmp_path, monkeypatch, capsys):
     assert (given.size, given.noise, given.cap, given.seconds, given.timeout, given.threads) == (96, .015, 4096, 30, 240, 0) and given.share == pytest.approx(57 / 61)
     usual = real_files.arguments([])
     assert (usual.size, usual.noise, usual.limit, usual.share, usual.every, usual.count) == (128, .01, .05, .9, 1, 0)
+
+
+def test_materials_are_of_this_world():
+    """Colours, roughnesses and the like are shares, images have values from 0 to 1; each ends in a shader. Normals lean against the slope."""
+    made = materials.materials_list
+    for name, build in {**made.BUILDERS, **made.STRANDS}.items():
+        maker = MagicMock()
+        assert build(maker) is not None and maker.mock_calls, name
+        for _name, words, options in maker.mock_calls:
+            for image in (word for word in (*words, *options.values()) if isinstance(word, np.ndarray)):
+                assert image.ndim == 3 and image.shape[2] == 3 and image.shape[0] == image.shape[1] and 0 <= image.min() <= image.max() <= 1 and np.ptp(image) > .05, name
+            for key, value in options.items():
+                if isinstance(value, (int, float, tuple)) and not isinstance(value, bool):
+                    low, high = {"IOR": (1, 3), "Anisotropy": (-1, 1), "Scale": (0, 200), "Strength": (0, 20)}.get(key, (0, 1))
+                    if key in ("Base_Color", "Color", "Roughness", "Metallic", "Anisotropic", "Anisotropy", "IOR", "Rotation", "Strength", "Sheen_Weight", "Sheen_Roughness", "Coat_Weight",
+                               "Coat_Roughness", "Transmission_Weight", "Specular_IOR_Level"):
+                        assert all(low <= one <= high for one in np.ravel(value)), (name, key, value)
+    ramp = made._normals(np.tile(np.arange(8) / 16, (8, 1)), 2.0)[:, 1:-1]
+    assert np.allclose(np.linalg.norm(2 * ramp - 1, axis=-1), 1) and np.allclose(2 * ramp[..., 0] - 1, -2 * .125 / np.hypot(.25, 1)) and np.allclose(ramp[..., 1], .5)
+    assert np.allclose(made._normals(np.tile(np.arange(8) / 16, (8, 1)).T, 2.0)[1:-1, :, 1], ramp[:, :, 0].T) and made._grey(np.array([[-1, .5, 2]])).tolist() == [[[0] * 3, [.5] * 3, [1] * 3]]
