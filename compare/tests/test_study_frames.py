@@ -109,6 +109,7 @@ def test_what_its_words_promise():
     assert study.SIZE == {"sun": 512, "sky": 256} and study.TRUTH == {"sun": 128, "sky": 512} and study.REPEAT == 3
     assert study.BLOCK == {("plate", "sun"): 1, ("plate", "sky"): 4, ("sphere", "sun"): 8, ("sphere", "sky"): 4}
     assert study.SAMPLES == {"sun": (4, 16, 64), "sky": (16, 64, 256)} and all(2 * side**2 > 1e6 for side in study.QUADS.values())
+    assert {task.command for task in study.tasks(False)} == {"build/venv/bin/python compare/report_page.py --only frames"}
     assert [(task.key, task.seconds) for task in study.tasks(False)] == [("plate-sun", 120), ("plate-sky", 150), ("sphere-sun", 120), ("sphere-sky", 150)]
 
 
