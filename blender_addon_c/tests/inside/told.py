@@ -1,0 +1,367 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a render and a viewport tell while they work, and what the module is told of lamps, worlds, images and cameras, by tables: told.py."""
+
+import math
+import os
+import sys
+from types import SimpleNamespace as Of
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import common  # noqa: E402
+from parts_of import module, replaced  # noqa: E402
+
+
+def close(found, wanted):
+    return np.allclose(found, wanted, rtol=1e-5, atol=1e-6)
+
+
+def test_waiting_for_a_picture():
+    """Progress and memory are told each time, in megabytes; Esc ends the job; a window gets the picture each half second, a file never."""
+    engine = module("engine")
+    for background, shows in ((False, True), (False, False), (True, True)):
+        now, told, shown, left, cancelled = [50.0], [], [], [4], []
+
+        def wait(_job, seconds, now=now, left=left):
+            assert seconds == 0.05
+            now[0] += 0.3
+            left[0] -= 1
+            return left[0] < 0
+
+        def state(_job, left=left):
+            return {"progress": 0.25 * (4 - left[0]), "memory": 3 << 20, "memory_peak": 5 << 20, "stage": "render", "sample": 2, "samples": 8}
+        fake = Of(test_break=lambda left=left: left[0] == 1, update_progress=told.append, update_stats=lambda *_texts: None,
+                  update_memory_stats=lambda memory_used, memory_peak, told=told: told.append((memory_used, memory_peak)), update_result=shown.append)
+        native = Of(wait=wait, poll=state, cancel=cancelled.append, image=lambda *_which, told=told: told.append("picture"))
+        with replaced(engine, _native=native, time=Of(perf_counter=lambda now=now: now[0]), bpy=Of(app=Of(background=background)),
+                      _set_pixels=lambda result, pixels, exposure, told=told: told.append(exposure)):
+            last = engine.LibshadeEngine._wait(fake, "job", Of(whole="all", view="") if shows else None, "pixels", 2.5)
+        drawn = ["picture", 2.5] if shows and not background else []
+        assert told == [0.25, (3, 5), 0.5, (3, 5), *drawn, 0.75, (3, 5), 1.0, (3, 5), *drawn], told
+        assert cancelled == ["job"] and shown == (["all"] * 2 if drawn else []) and last["progress"] == 1.25
+
+
+def test_what_the_engine_says_of_itself():
+    """To Blender: material balls, Eevee's material preview in viewports, Cycles' nodes; one picture of four channels before all passes."""
+    engine, asked = module("engine").LibshadeEngine, []
+    assert (engine.bl_use_preview, engine.bl_use_eevee_viewport, engine.bl_use_shading_nodes_custom) == (True, True, False)
+    assert (engine.bl_idname, engine.bl_label) == ("LIBSHADE", "libshade")
+    layer = common.empty_scene().view_layers[0]
+    layer.use_pass_z = layer.use_pass_uv = True
+    engine.update_render_passes(Of(register_pass=lambda _scene, _layer, *said: asked.append(said)), bpy.context.scene, layer)
+    assert asked == [("Combined", 4, "RGBA", "COLOR"), ("Depth", 1, "Z", "VALUE"), ("UV", 3, "UVA", "VECTOR")], asked
+
+
+def test_whether_there_is_something_to_draw():
+    """A viewport draws again what is done, what has failed and what was changed; while a tree of another view is built it waits, and of a coarse
+    picture it draws no parts, of the best one each tenth of a second."""
+    viewport, now = module("viewport"), [7.0]
+    for changed, job, behind, state, stage, factor, seconds, wanted in (
+            (True, 1, False, "running", "render", 1, 0.0, True), (False, None, False, "running", "render", 1, 0.0, True),
+            (False, 1, False, "done", "render", 8, 0.0, True), (False, 1, False, "failed", "build", 8, 0.0, True),
+            (False, 1, True, "running", "build", 1, 9.0, False), (False, 1, True, "running", "render", 1, 0.0, True),
+            (False, 1, False, "running", "render", 1, 0.11, True), (False, 1, False, "running", "render", 1, 0.09, False),
+            (False, 1, False, "running", "build", 1, 9.0, False), (False, 1, False, "running", "render", 2, 9.0, False)):
+        shown = viewport.Viewport()
+        shown._changed, shown._job, shown._behind, shown._made = changed, job, behind, Of(factor=factor)
+        shown._whole, shown._fetched = "a picture", now[0] - seconds
+        with replaced(viewport, _native=Of(poll=lambda _job, state=state, stage=stage: {"state": state, "stage": stage}), time=Of(perf_counter=lambda: now[0])):
+            assert shown.has_news() == wanted, (changed, job, behind, state, stage, factor, seconds)
+            shown._whole = None
+            assert wanted is False or shown.has_news() == (seconds != 0.11)
+    # what only the first picture of a scene takes says nothing of how coarse the next is to be
+    for made, factor, timings, wanted in ((8, 8, (9.0, 3.0, 3.0, 2.97), 8), (8, 8, (9.0, 3.0, 3.0, 2.995), 4), (8, 8, (9.0, 3.0, 3.0, 2.94), 16), (4, 8, (9.0, 0, 0, 0), 8)):
+        shown = viewport.Viewport()
+        shown._made, shown._factor = Of(factor=made), factor
+        with replaced(viewport, _native=Of(timings=lambda _job, timings=timings: dict(zip(("wall", "image", "mesh", "bvh"), timings)))):
+            shown._adapt()
+        assert shown._factor == wanted, timings
+
+
+def test_cycles_settings_that_make_another_picture():
+    scene, settings = common.empty_scene(), module("export.scene")
+    cycles, render = scene.cycles, scene.render
+    render.use_simplify = True
+    for owner, name, value, words in ((cycles, "use_fast_gi", True, "Fast GI Approximation"), (cycles, "use_camera_cull", True, "Camera Culling (Simplify)"),
+                                      (cycles, "use_distance_cull", True, "Distance Culling (Simplify)"), (cycles, "texture_limit_render", "512", "Texture Limit (Simplify)")):
+        for simplified in (True, False):
+            messages, held = module("export.messages").Messages(), getattr(owner, name)
+            render.use_simplify = simplified
+            setattr(owner, name, value)
+            settings._name_settings(scene, messages)
+            setattr(owner, name, held)
+            said = [f"Cycles' {words} is not supported; left out"] if simplified or "Simplify" not in words else []
+            assert list(messages.warnings) == said, (name, simplified, list(messages.warnings))
+
+
+def read(scene):
+    """(what the module is told of the scene, what artists are)."""
+    bpy.context.view_layer.update()
+    export, depsgraph = module("export"), bpy.context.evaluated_depsgraph_get()
+    messages = export.Messages()
+    camera = export.camera_of(scene.camera, depsgraph, (16, 12), messages)
+    return export.read(depsgraph, camera, (16, 12), (0, 0, 16, 12), 4, messages), list(messages.warnings)
+
+
+def test_what_a_lamp_is():
+    scene = common.empty_scene()
+    common.camera(scene)
+    scene.frame_set(1)
+    assert read(scene)[1] == ["no sun or point or spot or area light in the scene: surfaces will be black"]
+    lamp = common.light(scene, "AREA", 10)
+    lamp.location = (1, 2, 3)
+    for met, casts in ((True, True), (False, True), (True, False)):
+        lamp.data.cycles.use_multiple_importance_sampling = met
+        common.cast_shadow(lamp.data, casts)
+        lamp.data.update_tag()
+        (found,), said = read(scene)[0]["lights"], read(scene)[1]
+        assert (found["met"], found["shadow"], found["type"], found["name"], said) == (met, casts, "AREA", "area", [])
+    lamp.visible_glossy = False
+    assert read(scene)[0]["lights"][0]["hidden"] == 4
+    lamp.visible_diffuse = lamp.visible_transmission = False
+    assert read(scene)[0]["lights"] == []
+
+
+def test_what_versions_do_of_catchers():
+    """Before 4.0 they count twice in ambient occlusion and are in light groups: that is said where one of these is asked for."""
+    scene, layer = common.empty_scene(4, 4, 1), bpy.context.view_layer
+    common.camera(scene)
+    common.light(scene)
+    common.plane().is_shadow_catcher = True
+    occlusion, groups = "shadow catchers count once, not twice as in this Cycles", "light groups are without shadow catchers, which are in those of this Cycles"
+    for twice, asks_occlusion, asks_groups in ((True, False, False), (True, True, False), (True, False, True), (False, True, True)):
+        layer.use_pass_ambient_occlusion = asks_occlusion
+        if asks_groups != bool(layer.lightgroups):
+            (bpy.ops.scene.view_layer_add_lightgroup if asks_groups else bpy.ops.scene.view_layer_remove_lightgroup)()
+        with replaced(module("versions"), CATCHERS_TWICE=twice):
+            bpy.ops.render.render()
+        told = [text for text, _error in module("report").told(scene)]
+        said = [words for words in (occlusion, groups) if any(words in text for text in told)]
+        assert said == [words for words, asked in ((occlusion, asks_occlusion), (groups, asks_groups)) if asked and twice], told
+
+
+def test_what_a_world_is():
+    """A colour, an image or both by strength; what is no light is 0; who sees it; an image that is not there is pink."""
+    scene = common.empty_scene()
+    common.camera(scene)
+    world = scene.world = bpy.data.worlds.new("world")
+    image = bpy.data.images.new("sky", 4, 2)
+    image.pack()
+    tree = common.tree_of(world)
+    tree.nodes.clear()
+    end, shader = tree.nodes.new("ShaderNodeOutputWorld"), tree.nodes.new("ShaderNodeBackground")
+    tree.links.new(shader.outputs[0], end.inputs["Surface"])
+    color, strength = shader.inputs["Color"], shader.inputs["Strength"]
+    color.default_value, strength.default_value = (0.25, 0.5, 0, 1), 2
+    assert close(read(scene)[0]["background"], (0.5, 1, 0))
+    strength.default_value = -1
+    assert close(read(scene)[0]["background"], (0, 0, 0))
+    value, plain = tree.nodes.new("ShaderNodeValue"), tree.nodes.new("ShaderNodeRGB")
+    value.outputs[0].default_value, plain.outputs[0].default_value = 3, (1, 0.5, 0.25, 1)
+    tree.links.new(value.outputs[0], strength)
+    tree.links.new(plain.outputs[0], color)
+    assert close(read(scene)[0]["background"], (3, 1.5, 0.75))
+    around = tree.nodes.new("ShaderNodeTexEnvironment")
+    tree.links.new(around.outputs[0], color)
+    found, said = read(scene)
+    assert close(found["background"], (3, 0, 3)) and "world 'world': 'Environment Texture' has no image" in said
+    around.image = image
+    for interpolation, projection, bright, filtering in (("Linear", "EQUIRECTANGULAR", 3, "LINEAR"), ("Closest", "MIRROR_BALL", 0.5, "CLOSEST"),
+                                                         ("Cubic", "EQUIRECTANGULAR", -2, "LINEAR"), ("Smart", "EQUIRECTANGULAR", 1, "LINEAR")):
+        around.interpolation, around.projection, value.outputs[0].default_value = interpolation, projection, bright
+        found, said = read(scene)
+        sky = found["sky"]
+        assert sky["strength"] == (max(bright, 0),) * 3 and sky["projection"] == projection and found["background"] == (0, 0, 0)
+        assert found["images"][sky["image"]]["filter"] == filtering and found["images"][sky["image"]]["wrap"] == "REPEAT"
+        words = f"world 'world': 'Environment Texture': interpolation {interpolation.lower()} is not supported; linear"
+        assert (words in said) == (interpolation in ("Cubic", "Smart")), said
+    for kind, bit in (("camera", 1), ("diffuse", 2), ("glossy", 4), ("transmission", 8)):
+        setattr(world.cycles_visibility, kind, False)
+        world.update_tag()
+        assert read(scene)[0]["sky_hidden"] == bit
+        setattr(world.cycles_visibility, kind, True)
+    world.update_tag()
+    assert read(scene)[0]["sky_hidden"] == 0
+    scene.world = None
+    found, said = read(scene)
+    assert found["background"] == (0, 0, 0) and "sky" not in found and len(said) == 1
+
+
+def test_what_is_mixed_into_a_world():
+    """By a factor that is known, one of both is all there is; of Math nodes, too."""
+    scene = common.empty_scene()
+    common.camera(scene)
+    world = scene.world = bpy.data.worlds.new("world")
+    tree = common.tree_of(world)
+    tree.nodes.clear()
+    end, mix, sum_ = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("OutputWorld", "MixShader", "Math"))
+    tree.links.new(mix.outputs[0], end.inputs["Surface"])
+    tree.links.new(sum_.outputs[0], mix.inputs[0])
+    for at, tint in ((1, 0.2), (2, 0.7)):
+        shader = tree.nodes.new("ShaderNodeBackground")
+        shader.inputs["Color"].default_value = (tint,) * 3 + (1,)
+        tree.links.new(shader.outputs[0], mix.inputs[at])
+    for operation, clamp, a, b, seen in (("ADD", False, 0.5, 0.5, 0.7), ("SUBTRACT", False, 0.5, 0.5, 0.2), ("MULTIPLY", False, 2, 0.5, 0.7),
+                                         ("MAXIMUM", False, 0, 1, 0.7), ("MINIMUM", False, 0, 1, 0.2), ("ADD", True, 2, 3, 0.7), ("SUBTRACT", True, 0, 4, 0.2)):
+        sum_.operation, sum_.use_clamp, sum_.inputs[0].default_value, sum_.inputs[1].default_value = operation, clamp, a, b
+        found = read(scene)[0]
+        assert close(found["background"], (seen,) * 3) and "sky" not in found, (operation, found["background"])
+
+
+def test_whose_material_hair_is_of():
+    """Of the slot that its system says, the last where there is none of that number; it is there without what grows it."""
+    common.empty_scene()
+    bpy.ops.mesh.primitive_plane_add()
+    ob = bpy.context.object
+    for name in ("skin", "fur", "wool"):
+        ob.data.materials.append(bpy.data.materials.new(name))
+    ob.modifiers.new("hair", "PARTICLE_SYSTEM")
+    hair = ob.particle_systems[0].settings
+    hair.type, hair.count = "HAIR", 3
+    depsgraph, shapes = bpy.context.evaluated_depsgraph_get(), module("export.scene")._shapes
+    for slot, wanted in ((1, "skin"), (2, "fur"), (3, "wool"), (9, "wool")):
+        hair.material = slot
+        for skin, strands in ((True, True), (False, True), (True, False)):
+            ob.show_instancer_for_render = ob.show_instancer_for_viewport = skin
+            bpy.context.view_layer.update()
+            for item in depsgraph.object_instances:
+                told = [[material.name for material in shape.slots] for shape in shapes(
+                    Of(object=item.object, show_self=skin, show_particles=strands, matrix_world=item.matrix_world), depsgraph, module("export.motion").Still(), None)]
+            # a slot's number is at most that of the last in Blender itself
+            assert told == [["skin", "fur", "wool"]] * skin + [[wanted]] * strands, (slot, skin, told)
+
+
+def test_what_a_camera_sees_around_it():
+    panorama = module("export.camera")._panorama
+    own = {"panorama_type": "FISHEYE_LENS_POLYNOMIAL", "fisheye_fov": 2.5, "fisheye_lens": 12.0, "longitude_min": -1.0, "longitude_max": 2.0, "latitude_min": -0.5,
+           "latitude_max": 0.75, **{f"fisheye_polynomial_k{k}": 0.1 * (k + 1) for k in range(5)}, "central_cylindrical_radius": 2.0,
+           "central_cylindrical_range_u_min": -0.3, "central_cylindrical_range_u_max": 0.4, "central_cylindrical_range_v_min": -1.0, "central_cylindrical_range_v_max": 3.0}
+    data = Of(sensor_fit="AUTO", sensor_width=36.0, sensor_height=24.0, shift_y=0.25, clip_start=0.5, clip_end=70.0, stereo=Of(use_spherical_stereo=False), **own)
+    render, told = Of(use_multiview=False, views_format="STEREO_3D", pixel_aspect_x=1.0, pixel_aspect_y=2.0), module("export.messages").Messages()
+
+    def seen(size=(60, 40), **changes):
+        return panorama(Of(name="eye"), Of(**{**vars(data), **changes}), render, size, (Matrix.Translation((1, 2, 3)), 0.1), told)
+    found = seen()
+    assert found["panorama"] == "FISHEYE_LENS_POLYNOMIAL" and close(found["polynomial"], (0.1, 0.2, 0.3, 0.4, 0.5)) and found["type"] == "PANO"
+    assert (found["fov"], found["focal"], found["clip"], found["frame"]) == (2.5, 12.0, (0.5, 70.0), (0.1, 1.1, 0.25, 1.25))
+    assert close(found["range"], (-1, 2, -0.5, 0.75)) and close(np.reshape(found["matrix"], (4, 4)), Matrix.Translation((1, 2, 3)))
+    # pixels are twice as high as wide: 60 by 80, upright
+    for fit, size, sensor in (("AUTO", (60, 40), (27, 36)), ("HORIZONTAL", (60, 40), (36, 48)), ("VERTICAL", (60, 40), (18, 24)), ("AUTO", (80, 20), (36, 18))):
+        assert close(seen(size, sensor_fit=fit)["sensor"], sensor), (fit, size)
+    assert close(seen(panorama_type="CENTRAL_CYLINDRICAL")["range"], (-0.3, 0.4, -0.5, 1.5))
+    assert seen(fisheye_lens=0.0)["focal"] == 1e-6 and not told.warnings
+    assert seen(panorama_type="ODD")["panorama"] == "EQUIRECTANGULAR"
+    render.use_multiview, spherical = True, Of(use_spherical_stereo=True)
+    seen(stereo=spherical)
+    render.views_format = "MULTIVIEW"
+    seen(stereo=spherical)
+    assert list(told.warnings) == ["camera 'eye': panoramas of type odd are not supported; equirectangular",
+                                   "camera 'eye': Spherical Stereo is not supported; its eyes stand still"]
+
+
+def test_numbers_of_images():
+    """By hand: colours times alpha and back, tiles of other sizes, frames of sequences, how steep a normal map is."""
+    image, bytes_, half = module("export.image"), np.uint8, 0.5
+    byte = {"channels": 4, "data": np.array([200, 100, 50, 128, 10, 20, 30, 0], bytes_), "srgb": True, "wide": False}
+    times = image._times_alpha(byte, True)
+    assert np.abs(times["data"] - np.array([100.4, 50.2, 25.1, 128, 0, 0, 0, 0])).max() < 1 and times["srgb"] and times["data"].dtype == bytes_
+    over = image._times_alpha(byte, False)
+    assert not over["srgb"] and over["wide"] and close(over["data"][3::4], (128 / 255, 0))
+    assert close(over["data"][:2], [((v / 128 + 0.055) / 1.055) ** 2.4 for v in (200, 100)]) and close(over["data"][4:7], [v / 255 / 12.92 for v in (10,)] + list(image._decoded(np.array([20, 30]) / 255)))
+    floats = {"channels": 2, "data": np.float32([3, half, 0.5, 1]), "srgb": False, "wide": True}
+    assert close(image._times_alpha(floats, True)["data"], (1.5, half, 0.5, 1)) and close(image._times_alpha(floats, False)["data"], (6, half, 0.5, 1))
+    row = np.float32([0, 4, 8]).reshape(1, 3, 1)
+    assert image._resized(row, 1, 3, False) is row
+    assert image._resized(row, 1, 6, True)[0, :, 0].tolist() == [0, 0, 4, 4, 8, 8]
+    assert close(image._resized(row, 1, 6, False)[0, :, 0], (2, 1, 3, 5, 7, 6))  # beyond an end comes the other one
+    assert image._resized(row.astype(bytes_), 1, 6, False).dtype == bytes_
+    grey = {"data": np.array([7, 9], bytes_), "width": 2, "height": 1, "channels": 1}
+    assert image._as_large(grey, 2, 1, 4, True).tolist() == [[[7, 7, 7, 255], [9, 9, 9, 255]]]
+    assert image._as_large({**grey, "width": 1, "channels": 2}, 1, 1, 4, True).tolist() == [[[7, 7, 7, 9]]]
+    user = {"frame_duration": 4, "frame_start": 3, "frame_offset": 10, "use_cyclic": False}
+    for change, frames in (({}, (10, 10, 11, 12, 14, 14)), ({"use_cyclic": True, "frame_offset": 0}, (3, 4, 1, 2, 4, 1)), ({"frame_duration": 0}, (0,) * 6), ({"frame_offset": 0}, (0, 0, 1, 2, 4, 4))):
+        assert tuple(image._number(Of(**{**user, **change}), frame) for frame in (1, 2, 3, 4, 6, 7)) == frames, change
+    images = image.Images(None, 1)
+    flat, steep, down = ([0.5, 0.5, 1], [0.9, 0.5, 0.8], [0.5, 0.5, 0.3])
+    for texels, below, parts in (((flat, flat), False, (0, 0)), ((flat, steep), False, (0.5, 0)), ((flat, down), True, (0.5, 0.5))):
+        number = images.made({"channels": 3, "data": np.float32(texels).ravel(), "srgb": False})
+        assert images.points_down(number) == below
+        # the second one leans by .8 of .6 upwards
+        assert tuple(images.turned(number, slope, 1.0) for slope in (1.2, 1.5)) == parts, texels
+    ranges = [images.range_of(images.made({"channels": 1, "data": data})) for data in (np.array([3, 9], bytes_), np.float32([-2, 7]), np.float32([1, math.nan]))]
+    assert ranges == [(0, 1), (-2, 7), (-math.inf, math.inf)]
+
+
+def test_numbers_at_corners():
+    """One number is three, what is missing is 0 and alpha 1; a factor is the mean, of pairs the first; a tangent brings its map."""
+    layers = module("export.layers")
+    for given, wanted in (([[2.0]], [2, 2, 2, 1]), ([[2.0, 3]], [2, 3, 0, 1]), ([[2.0, 3, 4]], [2, 3, 4, 1]), ([[2.0, 3, 4, 5]], [2, 3, 4, 5])):
+        assert layers._four(np.float32(given)).tolist() == [wanted]
+    assert layers.as_factor(np.float32([[1, 2, 6, 9]])).tolist() == [[3, 0]] and layers.as_factor(np.float32([[1, 2, 0, 1]]), True).tolist() == [[1, 0]]
+    made = layers.Layers()
+    numbers = [made.number(*one) for one in (("COLOR", ""), ("TANGENT", "uv"), ("UV", "uv"), ("FACTOR", "a"), ("COLOR", ""), ("STRAND", "length"))]
+    assert numbers == [0, 2, 1, 3, 0, 4] or numbers == [0, 1, 2, 3, 0, 4], numbers
+    assert [made.listed[number]["width"] for number in numbers] == [4, 4, 2, 2, 4, 4] and made.listed[numbers[1]]["tangents_of"] == numbers[2]
+
+
+def test_names_as_numbers():
+    """Cryptomatte's own examples; an object is its own and its topmost parent's, an empty slot what Cycles calls it."""
+    matte = module("export.matte")
+    for name, number in (("hello", 6.07056271e-17), ("cube", -4.08461913e15), ("sphere", 2.79018604e15), ("plane", 3.66557618e-11)):
+        assert np.isclose(matte.number_of(matte.hash_of(name)), number, rtol=1e-6), name
+    # exponents of what is no finite and normal number become the nearest that are
+    assert matte.number_of(0x80000001) == -matte.number_of(0x00800001) < 0 and matte.number_of(0x7fffffff) == matte.number_of(0x7f7fffff)
+    wanted = matte.Mattes([Of(plane=plane) for plane in ("DEPTH", "OBJECT_MATTE00", "OBJECT_MATTE01", "MATERIAL_MATTE00")])
+    assert wanted.wanted() == {"mattes": [{"type": "OBJECT"}, {"type": "MATERIAL"}], "matte_slots": 4}
+    top = Of(name="plane", parent=None)
+    number = lambda name: matte.number_of(matte.hash_of(name))
+    assert wanted.of_object(Of(name="cube", parent=Of(name="sphere", parent=top))) == {"matte": (number("cube"), number("plane"))}
+    assert wanted.of_material("hello") == {"matte": (number("hello"),)} and wanted.of_material("") == {"matte": (number("default_surface"),)}
+    fields = dict(wanted.fields("layer"))
+    key = f"cryptomatte/{matte.hash_of('layer.CryptoObject'):08x}"[:19]
+    assert fields[key + "/name"] == "layer.CryptoObject" and fields[key + "/hash"] == "MurmurHash3_32" and fields[key + "/conversion"] == "uint32_to_float32"
+    assert fields[key + "/manifest"] == f'{{"cube":"{matte.hash_of("cube"):08x}"}}' and len(fields) == 8
+    nothing = matte.Mattes([])
+    assert nothing.wanted() == nothing.of_object(top) == nothing.of_material("x") == dict(nothing.fields("layer")) == {}
+
+
+def test_drafts_of_any_encoding():
+    """By their marks; without one as UTF-8, else as Windows wrote them."""
+    decoded, text = module("fabric.draft").decoded, "[TEXT]\nTitle=Käse € 5"
+    for data in (text.encode(), text.encode("utf-8-sig"), text.encode("utf-16"), text.encode("cp1252"), b"\xfe\xff" + text.encode("utf-16-be")):
+        assert decoded(data) == text, data
+
+
+def test_what_measuring_cloth_says():
+    """How many objects were measured, what may not be changed, and that nothing was to be done."""
+    size, said = module("fabric.size"), []
+    fake = Of(report=lambda kind, text: said.append((*kind, text)), nothing=lambda text: said.append(text))
+    context = Of(mode="OBJECT", scene=common.empty_scene())
+    for counts in ((3, 0), (1, 2), (0, 0), (0, 4)):
+        with replaced(size, measure=lambda scene, counts=counts: counts):
+            size.LIBSHADE_OT_measure_cloth.execute(fake, context)
+    none = "No object of this scene wears Libshade Fabric of real size"
+    assert said == [("INFO", "Measured 3 object(s)"), ("WARNING", "2 linked object(s) cannot be changed"), ("INFO", "Measured 1 object(s)"), none,
+                    ("WARNING", "4 linked object(s) cannot be changed"), none], said
+
+
+def test_meshes_that_cycles_shades_by_other_normals():
+    """Where more than a hundredth of the edges have three faces, and corners count: later Blenders say so."""
+    mesh_of, later = module("export.mesh"), hasattr(bpy.types.Mesh, "corner_normals")
+    for fins, sharp, wanted in ((1, True, 1 / 7), (1, False, 0.0), (0, True, 0.0)):
+        mesh = bpy.data.meshes.new("fan")
+        mesh.from_pydata([(0, 0, 0), (0, 0, 1), (1, 0, 0), (-1, 0, 0), (0, 1, 0)], [], [(0, 1, 2), (1, 0, 3), (0, 1, 4)][:2 + fins])
+        mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+        if sharp and later:
+            mesh.attributes.new("sharp_edge", "BOOLEAN", "EDGE").data[1].value = True
+        assert close(mesh_of._crossed(mesh), wanted if later else 0.0), (fins, sharp, mesh_of._crossed(mesh))
+
+
+for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
+    test()
+    print(test.__name__, "done", flush=True)
+print("all asserted")
+common.finish()
