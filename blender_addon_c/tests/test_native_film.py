@@ -26,7 +26,7 @@ from native_scenes import (
     sun,
 )
 
-COST = 3
+COST = 3.1
 
 
 def half_covered(x):
@@ -250,6 +250,27 @@ def test_planes_tell_the_first_surface():
     assert (number[inside] == 9).all() and (number[outside] == 0).all()
     np.testing.assert_allclose(depth[inside], 3, atol=1e-5)
     assert (depth[outside] == 1e10).all() and (normal[outside] == 0).all()
+
+
+def test_planes_of_objects_and_of_uv():
+    """The number of the object that is met first, and where on its map, with 1 where there is one; by what is before, not by its mesh."""
+    own = np.eye(4)
+    own[2, 3] = 0.5
+    wanted = scene(meshes=[square(0.5)], samples=20, planes=[{"type": word} for word in ("OBJECT", "UV", "POSITION")], instances=[
+        {"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "pass_index": 3}, {"mesh": 0, "matrix": own.ravel().tolist(), "pass_index": 7}])
+    job = native.start(wanted)
+    finish(job)
+    number, uv, place = (np.full((16, 16, n), np.nan, np.float32) for n in (1, 3, 3))
+    for word, out in zip(("OBJECT", "UV", "POSITION"), (number, uv, place)):
+        native.image(job, out, word)
+    native.free(job)
+    inside, outside = (slice(5, 11),) * 2, (slice(0, 3),) * 2
+    assert (number[inside] == 7).all() and (number[outside] == 0).all() and (uv[outside] == 0).all()
+    np.testing.assert_allclose(place[inside][..., 2], 0.5, atol=1e-5)
+    middle = (np.arange(5, 11) + 0.5) / 8 - 0.5
+    np.testing.assert_allclose(uv[inside][..., :2], np.stack(np.meshgrid(middle, middle), -1), atol=0.02)
+    np.testing.assert_allclose(place[inside][..., :2] + 0.5, np.stack(np.meshgrid(middle, middle), -1), atol=1 / 16)
+    np.testing.assert_allclose(uv[inside][..., 2], 1, atol=1e-5)
 
 
 def test_a_normal_as_it_is_seen():

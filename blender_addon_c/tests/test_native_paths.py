@@ -10,7 +10,7 @@ from native_scenes import (
     ashikhmin_shirley, box, dump, image, material, native, ortho, persp, point, registers, render, scene, sky,
     sphere, square, sun, vectors)
 
-COST = 0.89
+COST = 0.95
 
 SKY = (0.5, 1.0, 2.0)
 
@@ -162,3 +162,14 @@ def test_a_dark_sky_is_seen_and_lights_nothing(bounces):
         assert (seen[5:11, 5:11, :3] == 0).all() and (seen[:3, :3, :3] > 0.2).all()
         np.testing.assert_allclose(seen[:3, :3], lit[:3, :3], rtol=1e-6)
         assert (lit[5:11, 5:11, :3] > 0.05).all()
+
+
+@pytest.mark.parametrize("pane", [False, True])
+def test_drawn_rays_reach_no_farther_than_that(pane):
+    """A black sheet at h hides of an even sky what is nearer than r: all within the cosine h / r; so it does past what is clear."""
+    glass = {"name": "clear", "nodes": [], "closures": [{"closure": "TRANSPARENT"}]}
+    black = {"name": "black", "nodes": [], "closures": [{"closure": "EMISSION", "weight": (0, 0, 0)}]}
+    white = {"name": "white", "nodes": [], "closures": [{"closure": "DIFFUSE", "model": "LAMBERT", "color": (1, 1, 1), "roughness": [0.0], "bumps": "OPEN"}]}
+    seen = picture(meshes=[square(0.2), square(2e3, 0.5, 1), *([square(2e3, 0.2, 2)] if pane else [])], materials=[white, black, glass], lights=[],
+                   background=(1, 1, 1), reach=0.5 / 0.6, samples=256, width=8, height=8, camera=ortho(0.1, (0, 0, 0.15)))
+    assert seen.mean() == pytest.approx(0.36, abs=0.006)

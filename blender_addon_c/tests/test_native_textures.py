@@ -6,9 +6,10 @@ import subprocess
 import numpy as np
 import pytest
 
-from native_scenes import image, look_at, native, ortho, registers, render, scene
+from native_scenes import image, look_at, native, ortho, persp, registers, render, scene, square
+from native_scenes import material as metal
 
-COST = 0.95
+COST = 1.2
 
 WIDE = 256  # texels
 SIDE = 16  # pixels: each WIDE / SIDE texels wide
@@ -90,6 +91,38 @@ def test_the_short_axis_of_an_oblique_footprint_counts(vertical):
         middle = found[SIDE // 2 - 3:SIDE // 2 + 3].mean(0)
         assert abs(amplitude(middle, periods)) == pytest.approx(
             0.4 * np.sinc(periods / SIDE) * kept(blur * texels, periods), abs=0.002)
+
+
+@pytest.mark.parametrize("changes, wide", [
+    ({"panorama": "EQUIRECTANGULAR", "range": [-1 / 30, 1 / 30, -1 / 30, 1 / 30]}, 1.0),
+    ({"panorama": "EQUIRECTANGULAR", "range": [-1 / 30, 1 / 30, -1 / 60, 1 / 60]}, 0.5), ({"panorama": "FISHEYE_EQUIDISTANT", "fov": 1 / 15}, 1.0)])
+def test_a_panorama_has_pixels_too(changes, wide):
+    """From far enough it is flat: a pixel is as wide as above, or half as high; that of a fisheye's middle."""
+    blur, periods, texels = 2.0, 2, WIDE / SIDE
+    camera = {**ortho(1.0, (0, 0, 30)), "type": "PANO", "fov": 1.0, "focal": 1.0, "range": [0.0] * 4, "sensor": (1.0, 1.0), "polynomial": [0.0] * 5,
+              "frame": [0, 1, 0, 1], **changes}
+    found = seen(wave(periods, down=WIDE), blur, camera=camera, samples=1024)[SIDE // 2 - 1:SIDE // 2 + 1].mean(0)[:, 0]
+    wanted = 0.4 * np.sinc(periods / SIDE) * kept(blur * texels * np.sqrt(wide), periods)
+    assert abs(amplitude(found, periods)) == pytest.approx(wanted, abs=0.005)
+
+
+def test_a_step_in_a_mirror_is_as_wide_as_the_way_is_long():
+    """That of a pixel of what is three units away, by a flat mirror or a panorama of such pixels, too; that of what is as near as the mirror
+    is a third of it."""
+    step = {"type": "STEP", "axis": "Y", "scale": 1.0, "otherwise": 0.1, "out": registers(UV, 2)}
+    marked = {"name": "step", "nodes": [step], "closures": [{"closure": "EMISSION", "weight": registers(UV, 1) * 3}]}
+    mirror = {**metal(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1), ax=1e-3, ay=1e-3), "name": "mirror"}
+
+    def middle(eye, *meshes, **changes):
+        camera = {**persp(1 / 3, (0, 0, eye)), **changes}
+        made = scene(width=SIDE, height=SIDE, samples=64, lights=[], materials=[marked, mirror], meshes=list(meshes), camera=camera, max_bounces=1)
+        return render(made)[0][SIDE // 2 - 1:SIDE // 2 + 1, SIDE // 2 - 1:SIDE // 2 + 1, 0].mean()
+    far, near, mirrored = middle(3.0, square()), middle(1.0, square()), middle(1.0, square(1.0, 2.0), square(2.0, 0.0, 1))
+    angle = np.arctan(1 / 3)
+    around = middle(3.0, square(), type="PANO", panorama="EQUIRECTANGULAR", range=[-angle, angle, -angle, angle], fov=1.0, focal=1.0, sensor=(1.0, 1.0),
+                    polynomial=[0.0] * 5, frame=[0, 1, 0, 1])
+    assert far > 0.01 and near == pytest.approx(far / 3, rel=0.01) and mirrored == pytest.approx(far, rel=0.02)
+    assert around == pytest.approx(far * angle * 3, rel=0.02)
 
 
 def test_coordinates_say_how_large_the_footprint_is():

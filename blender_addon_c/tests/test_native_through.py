@@ -11,7 +11,7 @@ from native_scenes import area, chance, few, image, native, ortho, persp, point,
 from test_native_closures import EMISSION, TRANSPARENT, diffuse, of, weighed
 from test_native_light_paths import EYE, LIGHTS, SURFACES, panel, ray_meets, reflected, shining, sky_of
 
-COST = 2.5
+COST = 2.6
 
 RED = np.array((0.8, 0.5, 0.1))
 
@@ -157,3 +157,31 @@ def test_awkward_panes_end():
         seen(list(SHARP.values()), [(0.6, made)] * 40, transparent_max_bounces=1024)
     with pytest.raises(ValueError, match="weight"):
         native.start(scene(materials=[odd]))
+
+
+@pytest.mark.parametrize("what, by, more, through", [
+    ("LENGTH", 1.0, 0.0, 0.6 * 0.8), ("TRANSPARENT_DEPTH", 0.25, 0.5, 0.5 * 0.75), ("SHADOW", 0.5, 0.0, 0.25), ("DEPTH", 0.5, 0.0, 0.25),
+    ("CAMERA", -0.5, 0.5, 0.25), ("DIFFUSE", -0.5, 0.5, 0.25), ("GLOSSY", -0.5, 0.5, 0.25), ("TRANSMISSION", -0.5, 0.5, 0.25),
+    ("DIFFUSE_DEPTH", 1.0, 0.5, 0.25)])
+def test_what_a_shadow_ray_has_met(what, by, more, through):
+    """Two panes, each lets through what its node says: how far the ray has come from the plate, and past how many panes; of which kind it is."""
+    nodes = [{"type": "PATH", "what": what, "out": registers(3, 1)},
+             {"type": "MATH", "operation": "MULTIPLY_ADD", "a": registers(3, 1), "b": [by], "c": [more], "out": registers(4, 1)}]
+    told = of(TRANSPARENT | {"weight": registers(4, 1) * 3}, EMISSION | {"weight": [0.0] * 3}, nodes=nodes)
+    up = [sun((0, 0, 1), (2, 2, 2))]
+    np.testing.assert_allclose(seen(up, [(0.6, told), (0.8, told)], samples=4), seen(up, samples=4) * through,
+                               rtol=2e-3 if what == "LENGTH" else 2e-5)  # rays begin a little above the plate
+
+
+def test_a_pane_shades_as_long_as_it_is_there():
+    """It leaves the plate's middle after an eighth of the time, and lets a half through."""
+    clear = seen([SHARP["sun"]])
+    still, away = np.eye(3, 4, dtype=np.float32), np.eye(3, 4, dtype=np.float32)
+    away[0, 3] = 4.0
+    offset = -0.6 * SHARP["sun"]["direction"][0] / SHARP["sun"]["direction"][2]  # where the sun's way to the middle meets it
+    for one in (still, away):
+        one[:2, 3] -= (offset, 0.6 * SHARP["sun"]["direction"][1] / SHARP["sun"]["direction"][2] * -1)
+    own = np.eye(4).ravel().tolist()
+    moving = seen([SHARP["sun"]], [(0.6, pane(0.5))], samples=few(1024), meshes=[square(), square(0.5, 0.6, 1)],
+                  instances=[{"mesh": 0, "matrix": own}, {"mesh": 1, "matrix": own, "motion": np.stack([still, away])}])
+    np.testing.assert_allclose(moving, clear * (1 - 0.125 * 0.5), rtol=chance(0.004))
