@@ -95,9 +95,9 @@ def test_the_short_axis_of_an_oblique_footprint_counts(vertical):
 
 @pytest.mark.parametrize("changes, wide", [
     ({"panorama": "EQUIRECTANGULAR", "range": [-1 / 30, 1 / 30, -1 / 30, 1 / 30]}, 1.0),
-    ({"panorama": "EQUIRECTANGULAR", "range": [-1 / 30, 1 / 30, -1 / 60, 1 / 60]}, 0.5), ({"panorama": "FISHEYE_EQUIDISTANT", "fov": 1 / 15}, 1.0)])
+    ({"panorama": "EQUIRECTANGULAR", "range": [-1 / 30, 1 / 30, -1 / 240, 1 / 240]}, 0.125), ({"panorama": "FISHEYE_EQUIDISTANT", "fov": 1 / 15}, 1.0)])
 def test_a_panorama_has_pixels_too(changes, wide):
-    """From far enough it is flat: a pixel is as wide as above, or half as high; that of a fisheye's middle."""
+    """From far enough it is flat: a pixel is as wide as above, or an eighth as high; that of a fisheye's middle."""
     blur, periods, texels = 2.0, 2, WIDE / SIDE
     camera = {**ortho(1.0, (0, 0, 30)), "type": "PANO", "fov": 1.0, "focal": 1.0, "range": [0.0] * 4, "sensor": (1.0, 1.0), "polynomial": [0.0] * 5,
               "frame": [0, 1, 0, 1], **changes}

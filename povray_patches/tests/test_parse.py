@@ -425,6 +425,23 @@ def test_blocks_are_found_wherever_a_texture_stands(render):
     assert {name: message.count(f"lobe: ggx 0.{2 * k + 103}, 0.5") for name, k in lines.items()} == dict.fromkeys(lines, 1), message
 
 
+def test_parts_that_are_said_again_begin_anew(render, tmp_path):
+    """A bump_image, a reflection or a tangent in place of that of the finish before has nothing of it left; what is not said again stays."""
+    from test_bump_image import write_png
+    write_png(tmp_path / "map.png", np.random.default_rng(3).integers(90, 166, (4, 4, 3)), "uint8")
+    before = 'bump_image { png "map.png" strength .3 filter off once scale 3 translate <.2, .1> } reflection { samples 5 clamp 2 } tangent radial y at <5, 0, 0>'
+    again = 'bump_image { png "map.png" } reflection { } tangent radial y'
+
+    def shown(words, begin=""):
+        result = render(scene(f"#declare F = finish {{ ambient 0 diffuse 0 mdf {{ {before} }} }}\n"
+                              f"sphere {{ 0, 1 texture {{ pigment {{ rgb .5 }} finish {{ {begin} ambient 0 diffuse 0 mdf {{ {words} notes on }} }} }} }}", SUN), (16, 12))
+        return result.message[result.message.index("bumps: an image"):].split("most of their noise")[0], result.dump
+    (own, shape), (said, anew), (kept, _) = shown(again), shown(again, "F"), shown("", "F")
+    assert said == own and "strength 1; below a pixel they are roughness reflection" in own and "5 rays" not in own and "brighter" not in own
+    assert "strength 0.3, unfiltered, once reflection: 5 rays at a hit, none brighter than 2;" in kept, kept
+    assert np.array_equal(shape.Ns, anew.Ns) and np.array_equal(shape.T, anew.T) and np.ptp(shape.Ns[shape.hit] - shape.N[shape.hit]) > .05
+
+
 def test_subsurface_needs_diffuse_light(render):
     """A colour without green or blue has enough of it, also where no block is: POV-Ray ended there."""
     head = HEADER.replace("assumed_gamma 1", "assumed_gamma 1 mm_per_unit 20 subsurface { samples 4, 1 }")
