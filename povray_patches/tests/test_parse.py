@@ -9,7 +9,7 @@ import pytest
 
 from scenes import HEADER, SUN, saddle, scene
 
-COST = 14
+COST = 14.7
 
 WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, multiscatter, tangent, "
          "specular, roughness, bump_image, reflection, preset, fabric, scratches, notes, slopes or }")

@@ -329,6 +329,48 @@ def test_names_as_numbers():
     assert nothing.wanted() == nothing.of_object(top) == nothing.of_material("x") == dict(nothing.fields("layer")) == {}
 
 
+def test_where_links_lead_by_a_choice():
+    """Nodes that pass on one of their inputs, by what is known of the first: none beyond the last, nor where it is not known."""
+    tree = module("export.tree")
+
+    class Sockets(list):
+        def __getitem__(self, at):
+            return at if isinstance(at, str) else super().__getitem__(at)
+    indexed = Of(inputs=Sockets(["Index", "zero", "one", "two", "more"]), index_switch_items=range(3))
+    switch, menu = Of(inputs=Sockets(["Switch", "false", "true"])), Of(inputs=Sockets(["Menu", "a", "b"]), enum_items=[Of(name="A"), Of(name="B")])
+    for function, node, cases in ((tree._index_switch, indexed, ((0, "zero"), (2.0, "two"), (3, None), (-1, None), (None, None))),
+                                  (tree._switch, switch, ((True, "true"), (False, "false"), (None, None))), (tree._menu_switch, menu, (("A", "a"), ("B", "b"), ("C", None), (None, None)))):
+        for chosen, wanted in cases:
+            with replaced(tree, known=lambda _socket, _groups, chosen=chosen: chosen):
+                assert function(node, Of(identifier="Output"), ("group",)) == (wanted, ("group",)), (function.__name__, chosen)
+    with replaced(tree, known=lambda _socket, _groups: "B"):
+        assert tree._menu_switch(menu, Of(identifier="Item_1"), ()) == (None, ())
+        assert [tree.is_item(Of(node=menu, groups=(), output=Of(name=name))) for name in "AB"] == [0, 1]
+
+
+def test_what_an_update_makes_old():
+    """A mesh whose geometry changed is read again, and an image that changed; what else changed leaves both."""
+    kept, image, other = module("export.kept").Kept(), bpy.data.images.new("changed", 2, 2), bpy.data.images.new("still", 2, 2)
+    material, ob = bpy.data.materials.new("material"), bpy.data.objects.new("object", bpy.data.meshes.new("mesh"))
+    for thing, moves, meshes, images in ((material, True, 1, 2), (ob, False, 1, 2), (image, False, 1, 1), (ob, True, 0, 2)):
+        kept._meshes = {"mesh": Of(owners=Of(all={ob.as_pointer()}))}
+        kept._images = {(one.name_full, None): "pixels" for one in (image, other)}
+        kept.changed(Of(updates=[Of(id=thing, is_updated_geometry=moves)]))
+        assert (len(kept._meshes), len(kept._images)) == (meshes, images), thing
+    kept._images = {(one.name_full, None): "pixels" for one in (image, other)}
+    kept.changed(Of(updates=[Of(id=image, is_updated_geometry=False)]))
+    assert list(kept._images) == [(other.name_full, None)]
+
+
+def test_a_number_by_chance_of_a_name():
+    """By bytes that have a sign, each after 37 times those before; mixed as numbers of strands are."""
+    for name in ("Cube", "Ünï", "é" * 40, ""):
+        text = 0
+        for byte in np.frombuffer(name.encode(), np.int8):
+            text = (37 * text + int(byte)) % 2**32
+        assert abs(module("export.scene")._hash(name) - float(module("export.strands").by_chance(text)) * 0xffffffff) < 1, name
+
+
 def test_drafts_of_any_encoding():
     """By their marks; without one as UTF-8, else as Windows wrote them."""
     decoded, text = module("fabric.draft").decoded, "[TEXT]\nTitle=Käse € 5"
