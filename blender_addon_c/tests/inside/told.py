@@ -81,6 +81,154 @@ def test_whether_there_is_something_to_draw():
         assert shown._factor == wanted, timings
 
 
+def test_how_a_picture_gets_finer():
+    """Coarse first, each next one twice as fine, the best by all samples; seen from elsewhere the same job looks again, coarse first; after what
+    failed comes no finer one; while another view's tree is built the job goes on."""
+    viewport, calls = module("viewport"), []
+    state = {"state": "done", "stage": "render"}
+
+    def made(kind, answer):
+        def record(*given):
+            calls.append((kind, given[0 if kind == "start" else 1]["samples"], given[0 if kind == "start" else 1]["width"]))
+            return answer
+        return record
+    native = Of(start=made("start", "job"), look=made("look", "job"), wait=lambda _job, _seconds: state["state"] != "running", poll=lambda _job: dict(state))
+    views = [viewport._View((100, 60), Matrix.Translation((x, 0, 0)), Matrix.Identity(4), (0.1, 9), (0, 0, 100, 60)) for x in (0, 1)]
+    shown = viewport.Viewport()
+    shown._adapt = shown._fetch = lambda: None
+
+    def read(view, _depsgraph, _space):
+        calls.append("read")
+        shown._scene, shown._waiting, shown._changed = {"by_camera": by_camera[0], "samples": 9}, True, False
+
+    by_camera = [False]
+    shown._read = read
+    with replaced(viewport, _native=native):
+        for _ in range(6):
+            assert shown._advance(views[0], None, None)
+        assert calls == ["read", ("start", 1, 13), ("start", 1, 25), ("start", 1, 50), ("start", 9, 100)] or \
+            calls == ["read", ("start", 1, 13), ("look", 1, 25), ("look", 1, 50), ("look", 9, 100)], calls
+        del calls[:]
+        for _ in range(2):
+            shown._advance(views[1], None, None)
+        assert calls == [("look", 1, 13), ("look", 1, 25)], calls
+        state["state"] = "failed"
+        for _ in range(3):
+            shown._advance(views[0], None, None)
+        assert calls[2:] == [("look", 1, 13)], calls
+        state.update(state="running", stage="build")
+        shown._changed = True
+        for _ in range(3):
+            shown._advance(views[0], None, None)
+        assert calls[3:] == ["read", ("start", 1, 13)], calls
+        shown._advance(views[1], None, None)
+        assert len(calls) == 5, calls
+        state["stage"] = "render"
+        shown._advance(views[1], None, None)
+        assert calls[5:] == [("look", 1, 13)], calls
+        by_camera[0] = shown._changed = True
+        shown._advance(views[1], None, None)
+        assert calls[6:] == ["read", ("start", 1, 13)], calls
+        shown._advance(views[0], None, None)  # where a material is another from elsewhere
+        assert calls[8:] == ["read", ("start", 1, 13)], calls
+
+
+def test_which_part_of_a_view_is_rendered():
+    """That which the view has of its own, to the nearest pixel and within the view; all where it is of no size."""
+    region = module("viewport")._region_of
+    for border, wanted in (((0.1, 0.5, 0.25, 0.75), (10, 15, 50, 45)), ((0.104, 0.506, 0, 1), (10, 0, 51, 60)), ((-1, 2, -1, 2), (0, 0, 100, 60)),
+                           ((0.5, 0.5, 0, 1), (0, 0, 100, 60)), ((0.6, 0.4, 0, 1), (0, 0, 100, 60))):
+        names = ("render_border_min_x", "render_border_max_x", "render_border_min_y", "render_border_max_y")
+        space = Of(camera=None, use_render_border=True, **dict(zip(names, border)))
+        context = Of(space_data=space, region_data=Of(view_perspective="PERSP"))
+        assert region(context, Of(scene=Of(render=Of(use_border=True))), (100, 60)) == wanted, border
+        space.use_render_border = False
+        assert region(context, Of(scene=Of(render=Of(use_border=True))), (100, 60)) == (0, 0, 100, 60)
+
+
+def test_what_multiplies_pixels():
+    """Exposure does, of light, and not of what covers it or says something else; passes of pictures of their own come later."""
+    engine, export, rects = module("engine"), module("export"), {}
+    layer = Of(passes=Of(find_by_name=lambda name, view: Of(rect=Of(foreach_set=lambda pixels: rects.update({(name, view): np.ravel(pixels).tolist()})))))
+    result = engine._Result(Of(layers=[layer]), "left")
+    engine._set_pixels(result, np.float32([1, 2, 3, 0.5]), 2.0)
+    engine._set_pixels(result, np.float32([1, 2, 3]), 2.0, "Emit", 3)
+    engine._set_pixels(result, np.float32([1, 2, 3, 0.5]), 1.0, "Plain")
+    assert rects == {("Combined", "left"): [2, 4, 6, 0.5], ("Emit", "left"): [2, 4, 6], ("Plain", "left"): [1, 2, 3, 0.5]}
+    rects.clear()
+    passes = [Of(name=name, channels=letters, plane=plane) for name, letters, plane in (
+        ("Depth", "Z", "DEPTH"), ("DiffDir", "RGB", "DIFFUSE_DIRECT"), ("DiffCol", "RGB", "DIFFUSE_COLOR"), ("Noisy", "RGBA", module("export.passes").NOISY), ("Shadow", "RGB", export.CATCHER))]
+    native = Of(image=lambda _job, numbers, _plane: numbers.__setitem__(slice(None), 3))
+    with replaced(engine, _native=native):
+        engine._set_passes(result, "job", passes, np.float32([0.25, 0.5, 1]), 2.0)
+    assert rects == {("Depth", "left"): [3], ("DiffDir", "left"): [6] * 3, ("DiffCol", "left"): [3] * 3, ("Noisy", "left"): [6, 6, 6, 3],
+                     ("Shadow", "left"): [0.25, 0.5, 1]}, rects
+
+
+def test_who_waits_for_a_viewport():
+    """Each once, until it has shown something new or is gone; nobody looks then."""
+    engine, timers, news = module("engine"), [], {"a": False, "b": False}
+
+    class Shown:
+        def __init__(self, name):
+            self.name = name
+
+        def look(self):
+            if self.name not in news:
+                raise ReferenceError
+            return news[self.name]
+    a, b = Shown("a"), Shown("b")
+    fake = Of(app=Of(timers=Of(is_registered=lambda _function: bool(timers), register=lambda function, first_interval: timers.append(first_interval))))
+    with replaced(engine, bpy=fake, _watched=[]):
+        for one in (a, b, a):
+            engine._watch(one)
+        assert engine._watched == [a, b] and timers == [0.01]
+        assert engine._look() == 0.01 and engine._watched == [a, b]
+        news["a"] = True
+        assert engine._look() == 0.01 and engine._watched == [b]
+        del news["b"]
+        assert engine._look() is None and not engine._watched
+
+
+def test_where_a_scene_is_saved():
+    """A file of its own for each layer and eye; by the environment a picture is rendered all the same."""
+    saved, scene = module("saved"), common.empty_scene()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    first = bpy.path.clean_name(bpy.context.view_layer.name)
+    assert saved.place_of(depsgraph, "") == ("", False)
+    os.environ["LIBSHADE_SCENE"] = "/tmp/a.b.shscene"
+    try:
+        assert saved.place_of(depsgraph, "") == ("/tmp/a.b.shscene", False) and saved.place_of(depsgraph, "left") == ("/tmp/a.b-left.shscene", False)
+        scene.view_layers.new("second").use = False
+        assert saved.place_of(bpy.context.evaluated_depsgraph_get(), "") == ("/tmp/a.b.shscene", False)
+        scene.view_layers["second"].use = True
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        assert saved.place_of(depsgraph, "") == (f"/tmp/a.b-{first}.shscene", False) and saved.place_of(depsgraph, "right") == (f"/tmp/a.b-{first}-right.shscene", False)
+        with replaced(saved, _chosen="/tmp/c.shscene"):
+            assert saved.place_of(depsgraph, "") == (f"/tmp/c-{first}.shscene", True)
+    finally:
+        del os.environ["LIBSHADE_SCENE"]
+
+
+def test_light_of_one_group():
+    """Lamps, a world and what shines of that name alone; a mesh that shines is made dark once for all who have it, of another name."""
+    groups = module("export.groups")
+    shine, matt, hole = {"closure": "EMISSION", "weight": 1}, {"closure": "DIFFUSE"}, {"closure": "EMISSION", "holds": True}
+    scene = {"group": "far", "sky": 1, "looks": 2, "backdrop": 3, "backdrop_sky": 4, "background": (1, 2, 3), "planes": 5, "mist": 6, "use_denoising": True, "dump": "x", "width": 7,
+             "lights": [{"name": "a", "group": "near"}, {"name": "b", "group": ""}],
+             "materials": [{"name": "lamp", **shine}, {"name": "both", "closures": [shine, matt]}, {"name": "matt", **matt}, {"name": "hole", **hole}],
+             "meshes": [{"material": np.int32([0, 1, 2])}, {"material": np.int32([2, 3])}],
+             "instances": [{"mesh": 0, "group": "near"}, {"mesh": 0, "group": ""}, {"mesh": 0, "group": "far"}, {"mesh": 1, "group": ""}]}
+    near, far = groups.view(scene, "near"), groups.view(scene, "far")
+    assert [one["name"] for one in near["lights"]] == ["a"] and not far["lights"]
+    assert near["background"] == (0, 0, 0) and not {"sky", "looks", "backdrop", "backdrop_sky", "planes", "mist", "use_denoising"} & set(near)
+    assert far["background"] == (1, 2, 3) and far["sky"] == 1 and far["backdrop_sky"] == 4 and near["dump"] == "" and near["width"] == 7
+    assert [one["mesh"] for one in near["instances"]] == [0, 2, 2, 1] and [one["mesh"] for one in far["instances"]] == [2, 2, 0, 1]
+    dark = near["meshes"][2]["material"].tolist()
+    assert dark == [4, 5, 2] and near["meshes"][0]["material"].tolist() == [0, 1, 2] and len(near["meshes"]) == 3
+    assert near["materials"][5]["closures"] == [matt] and near["materials"][4] == {"name": "lamp", "closure": "EMISSION", "weight": (0, 0, 0)}
+
+
 def test_cycles_settings_that_make_another_picture():
     scene, settings = common.empty_scene(), module("export.scene")
     cycles, render = scene.cycles, scene.render
