@@ -210,6 +210,149 @@ def test_where_a_scene_is_saved():
         del os.environ["LIBSHADE_SCENE"]
 
 
+def test_what_is_selected_of_a_message():
+    """What it is said of and nothing else, the slot that has the material, and the node that it names; what is not in the file any more is said."""
+    common.empty_scene()
+    steel, wood = bpy.data.materials.new("steel"), bpy.data.materials.new("wood")
+    for name in ("first", "second"):
+        common.tree_of(steel).nodes.new("ShaderNodeBump").name = name
+    plates = [common.plane(wood) for _ in range(3)]
+    plates[1].data.materials.append(steel)
+    plates[2].data.materials.append(steel)
+    plates[2].hide_set(True)
+    lamp = common.light(bpy.context.scene)
+    for text, chosen in (("material 'steel': 'second': left out", [plates[1]]), ("light 'sun': odd", [lamp]), (f"object '{plates[0].name}': odd", [plates[0]]),
+                         ("material 'steel': odd", [plates[1]])):
+        assert bpy.ops.libshade.select_cause(text=text) == {"FINISHED"}
+        assert [ob for ob in bpy.context.view_layer.objects if ob.select_get()] == chosen and bpy.context.view_layer.objects.active == chosen[0], text
+    assert plates[1].active_material_index == 1 and plates[0].active_material_index == 0
+    assert [node.name for node in steel.node_tree.nodes if node.select and node.name in ("first", "second")] == ["second"] and steel.node_tree.nodes.active.name == "second"
+    said, report = [], module("report")
+    fake = Of(text="material 'gone': odd", nothing=lambda text: said.append(text) or {"CANCELLED"})
+    assert report.LIBSHADE_OT_select_cause.execute(fake, bpy.context) == {"CANCELLED"} and said == ["It is not in this file any more"]
+    told = Of(window_manager=Of(clipboard=""), scene=bpy.context.scene)
+    assert report.LIBSHADE_OT_copy_report.execute(Of(report=lambda *words: said.append(words)), told) == {"FINISHED"} and said[1:] == [({"INFO"}, "Copied")]
+    assert told.window_manager.clipboard == report.whole(bpy.context.scene)
+    # editors and panels show the new words a third of a second later at most, others are left alone
+    drawn = []
+    areas = [Of(type=kind, tag_redraw=lambda kind=kind: drawn.append(kind)) for kind in ("PROPERTIES", "VIEW_3D", "NODE_EDITOR")]
+    with replaced(report, bpy=Of(context=Of(window_manager=Of(windows=[Of(screen=Of(areas=areas))])))):
+        report._stale[0] = True
+        assert [report._redraw(), report._redraw()] == [0.3, 0.3] and drawn == ["PROPERTIES", "NODE_EDITOR"]
+
+
+class Layout:
+    """What a node draws: words of properties, operators and labels, those that are grey in brackets."""
+
+    def __init__(self, drawn):
+        self.drawn, self.enabled = drawn, True
+
+    def _draw(self, text):
+        self.drawn.append(text if self.enabled else f"[{text}]")
+        return Of()
+
+    def prop(self, owner, name, text=None, **_more):
+        self._draw(getattr(owner, "name", name) if name == "default_value" else name)
+
+    def prop_search(self, _owner, name, where, among, **_more):
+        self._draw(f"{name} of {where.name}'s {among}")
+
+    def label(self, text, icon="NONE"):
+        self._draw(text)
+
+    def operator(self, name, **_more):
+        return self._draw(name)
+
+    def operator_menu_enum(self, name, _property, **_more):
+        self._draw(name)
+
+    def row(self, **_more):
+        return Layout(self.drawn)
+    column = row
+
+    def context_pointer_set(self, *_which):
+        pass
+
+
+def test_what_a_metal_shows():
+    """The width of strokes where there are some, the UV map where it counts, with its object's maps to choose from; numbers of the lobe as they are
+    asked for, or what they are linked to. Strokes have a lobe of their own: then its words are grey."""
+    common.empty_scene()
+    _material, tree, node = common.metal()
+
+    def shown(draw, **settings):
+        for name, value in settings.items():
+            setattr(node, name, value)
+        drawn = []
+        draw(Layout(drawn))
+        return drawn
+    buttons = lambda ob=None: lambda layout: type(node).draw_buttons(node, Of(object=ob), layout)
+    first = ["libshade.metal_preset", "grain"]
+    assert shown(buttons(), strokes=0.0, grain="AXIS_X") == [*first, "strokes", "bump_response"]
+    assert shown(buttons(), strokes=0.5) == [*first, "strokes", "stroke_width", "bump_response"]
+    assert shown(buttons(), grain="UV") == [*first, "uv_map", "strokes", "stroke_width", "bump_response"]
+    plate = common.plane()
+    assert shown(buttons(plate), strokes=0.0) == [*first, f"uv_map of {plate.data.name}'s uv_layers", "strokes", "bump_response"]
+    assert shown(buttons(common.light(bpy.context.scene))) == [*first, "uv_map", "strokes", "bump_response"]
+    advanced = lambda layout: node.draw_advanced(layout)
+    words, numbers = shown(advanced, width_as="ROUGHNESS"), lambda drawn: drawn[drawn.index("width_as") + 1:]
+    assert {"distribution", "brdf"} < set(words) and numbers(words) == ["Roughness", "Anisotropy"]
+    assert {"[distribution]", "[brdf]"} == {word for word in shown(advanced, strokes=0.5) if word[0] == "["}
+    node.ax, node.ay = 0.5, 0.25
+    assert numbers(shown(advanced, strokes=0.0, width_as="ALPHA")) == ["Alpha Along U: 0.5", "shown_ax", "Alpha Across U: 0.25", "shown_ay"]
+    assert numbers(shown(advanced, width_as="EXPONENTS")) == ["Exponent Along U: 6", "shown_ex", "Exponent Across U: 30", "shown_ey"]
+    tree.links.new(tree.nodes.new("ShaderNodeValue").outputs[0], node.inputs["Anisotropy"])
+    assert numbers(shown(advanced)) == ["By what is linked to", "Roughness, Anisotropy"]
+    conductor, schlick = (shown(advanced, fresnel=fresnel) for fresnel in ("CONDUCTOR", "SCHLICK"))
+    assert {"eta", "k"} < set(conductor) and not {"eta", "k"} & set(schlick)
+
+
+def test_what_cannot_be_shaded_is_said():
+    """A group that ends in nothing, a shader of others, a colour where a normal belongs."""
+    scene = common.empty_scene()
+    common.camera(scene)
+    common.light(scene)
+    material, tree, node = common.metal("steel")
+    common.plane(material)
+    end = tree.get_output_node("ALL").inputs["Surface"]
+    tree.links.new(tree.nodes.new("ShaderNodeRGB").outputs[0], node.inputs["Normal"])
+    assert any(text.startswith(f"material 'steel': '{node.name}': Normal is fed by a colour ('") for text in read(scene)[1])
+    inside = bpy.data.node_groups.new("inside", "ShaderNodeTree")
+    module("group").new_socket(inside, "BSDF", "OUTPUT", "NodeSocketShader")
+    group, hair = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeBsdfHairPrincipled")
+    group.node_tree = inside
+    for maker, output, words in ((group, "BSDF", f"'{group.name}' (BSDF) has nothing to shade by; left out"),
+                                 (hair, 0, f"'{hair.name}' is not supported; shaded as a Diffuse BSDF of its colour")):
+        tree.links.new(maker.outputs[output], end)
+        assert f"material 'steel': {words}" in read(scene)[1], (words, read(scene)[1])
+
+
+def test_groups_that_nodes_share_are_the_file_s_own():
+    """One of that mark is taken again, but not what is linked from another file: that cannot be changed."""
+    builder, made = module("builder"), []
+
+    class Tree(dict):
+        library = None
+    theirs, other, new = Tree(mark=True), Tree(another=True), Tree()
+    theirs.library = "another.blend"
+    for trees, wanted in (([theirs, other], new), ([theirs, new], new), ([], new)):
+        with replaced(builder, bpy=Of(data=Of(node_groups=trees)), new_inside=lambda name: made.append(name) or new, arrange=lambda _tree: None):
+            assert builder.shared("Strokes", "mark", lambda tree: made.append(tree)) is wanted and new["mark"]
+    assert made == ["Strokes", new, "Strokes", new]
+
+
+def test_a_world_is_rendered_once():
+    """While it asks for the same, of the same images."""
+    kept, made = module("export.kept").Kept(), []
+    one, other = np.zeros(3), np.zeros(3)
+    for program, images, count in (("a", [one], 1), ("a", [one], 1), ("b", [one], 2), ("a", [other], 3), ("a", [one], 3)):
+        kept.begin()
+        assert kept.around(program, images, lambda: made.append(1) or len(made)) in (1, 2, 3) and len(made) == count, (program, count)
+    kept.end()  # only the last was asked for
+    kept.begin()
+    assert kept.around("a", [one], lambda: 9) == 1 and kept.around("b", [one], lambda: 9) == 9
+
+
 def test_light_of_one_group():
     """Lamps, a world and what shines of that name alone; a mesh that shines is made dark once for all who have it, of another name."""
     groups = module("export.groups")
