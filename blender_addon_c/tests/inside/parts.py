@@ -64,7 +64,7 @@ def test_what_baking_scratches_says():
     fake = SimpleNamespace(size="512", samples=3, tile=0.0, points=False, node_of=lambda _context: SimpleNamespace(id_data=SimpleNamespace(name="tree")),
                            report=lambda kind, text: said.append((*kind, text)))
     try:
-        for width, fewer in ((150e-6, False), (50e-6, True)):
+        for width, fewer, fake.points in ((150e-6, False, False), (50e-6, True, False), (50e-6, False, True)):  # points are to be coarse
             operators.bake = lambda *_arguments, fewer=fewer: {"tile": 0.064, "fewer": fewer, "density": 1234.0}
             operators.description = lambda *_arguments, width=width: {"width": 1e3 * width}
             operators.LIBSHADE_OT_bake_scratches.execute(fake, bpy.context)
@@ -72,7 +72,7 @@ def test_what_baking_scratches_says():
         operators.bake, operators.description = before
     told = ("INFO", "512 × 512 texels of 0.125 mm, which repeat every 6.4 cm, are packed into the file")
     assert said == [told, told, ("WARNING", "A texel is 2.5 times as wide as a scratch: choose a smaller tile or more texels"),
-                    ("WARNING", "There are no more than 1,234 scratches per cm²")], said
+                    ("WARNING", "There are no more than 1,234 scratches per cm²"), told], said
 
 
 def test_what_makes_images_of_scratches_old():
