@@ -341,6 +341,21 @@ def test_groups_that_nodes_share_are_the_file_s_own():
     assert made == ["Strokes", new, "Strokes", new]
 
 
+def test_ends_of_strands_are_closed():
+    """Its surface bounds what a prism of so many sides holds, from outside all round: by the volume that faces span with the origin, far away."""
+    strands = module("export.strands")
+    axis = np.float32([(5, 1, 2), (5, 1, 3), (5, 1, 4), (5, 1, 6)])
+    made = strands.tubes(strands.Strands(axis, np.full(4, 0.1, np.float32), np.array([4]), None, lambda _name: None), Matrix.Identity(4), "object 'fur'", 3)
+    corners = made["positions"].reshape(-1, 3).astype(float)[made["corner_position"].reshape(-1, 3)]
+    sides = 24
+    prism = 4 * 0.5 * sides * math.sin(2 * math.pi / sides) * (0.1 * math.pi / (sides * math.sin(math.pi / sides))) ** 2
+    assert abs(np.einsum("ni,ni->n", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6 - prism) < 1e-3 * prism
+    # no edge has one face alone
+    edges = np.sort(np.round(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]), 5), 1).reshape(-1, 6)
+    counts = np.unique(np.sort(edges.reshape(-1, 2, 3).view([("", float)] * 3).reshape(-1, 2), 1), return_counts=True, axis=0)[1]
+    assert (counts == 2).all() and (made["material"] == 3).all() and made["name"] == "object 'fur'"
+
+
 def test_a_world_is_rendered_once():
     """While it asks for the same, of the same images."""
     kept, made = module("export.kept").Kept(), []
