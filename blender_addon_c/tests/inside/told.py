@@ -133,6 +133,35 @@ def test_how_a_picture_gets_finer():
         assert calls[8:] == ["read", ("start", 1, 13)], calls
 
 
+def test_how_a_viewport_is_drawn():
+    """Over what is there, in the colours of the display, where it stands; nothing of the graphics card stays as it was set. The header says how far the
+    picture is, and what went wrong."""
+    viewport, report, scene = module("viewport"), module("report"), common.empty_scene()
+    for texture in (None, "picture"):
+        for stage, factor, finished, warnings, text, more in (("build", 1, False, [], "Building the BVH", True), ("render", 8, False, [], "Sample 0/9", True),
+                                                              ("render", 1, False, ["odd"], "Sample 3/9 | odd", True), ("render", 1, True, ["odd", "old"], "odd (and 1 more)", False),
+                                                              ("render", 2, True, [], "Sample 0/9", True)):
+            calls, view = [], object()
+            shown = viewport.Viewport()
+            shown._texture, shown._place, shown._job, shown._view, shown._waiting = texture, (3, 4, 13, 24), "job", view, False
+            shown._made, shown._finished, shown._scene = Of(factor=factor), finished, {"samples": 9, "materials": []}
+            shown._advance = lambda *_which: True
+            gpu = Of(state=Of(blend_set=lambda word, calls=calls: calls.append(word)))
+            engine = Of(bind_display_space_shader=lambda _scene, calls=calls: calls.append("bound"), unbind_display_space_shader=lambda calls=calls: calls.append("unbound"))
+            state = {"state": "done" if finished else "running", "stage": stage, "sample": 3, "warnings": warnings}
+            with replaced(viewport, gpu=gpu, draw_texture_2d=lambda *said, calls=calls: calls.append(said), _view_of=lambda *_which, view=view: view,
+                          _native=Of(poll=lambda _job, state=state: state, slopes=lambda _job: [])):
+                assert shown.draw(engine, Of(space_data=None), Of(scene=scene)) == (text, more), (stage, factor, finished, warnings)
+            assert calls == (["ALPHA_PREMULT", "bound", ("picture", (3, 4), 10, 20), "unbound", "NONE"] if texture else []), calls
+            assert [said for said, _error in report.told(scene)] == warnings and shown._behind is False
+    shown._advance = lambda *_which: False
+    with replaced(viewport, _view_of=lambda *_which: None, gpu=gpu, draw_texture_2d=lambda *_said: None):
+        assert shown.draw(engine, Of(space_data=None), Of(scene=scene)) == ("Reading the scene", True)
+        shown._advance, shown._job, shown._error = lambda *_which: True, None, "no camera"
+        assert shown.draw(engine, Of(space_data=None), Of(scene=scene)) == ("no camera", False)
+    report._forget()
+
+
 def test_which_part_of_a_view_is_rendered():
     """That which the view has of its own, to the nearest pixel and within the view; all where it is of no size."""
     region = module("viewport")._region_of
@@ -354,6 +383,28 @@ def test_ends_of_strands_are_closed():
     edges = np.sort(np.round(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]), 5), 1).reshape(-1, 6)
     counts = np.unique(np.sort(edges.reshape(-1, 2, 3).view([("", float)] * 3).reshape(-1, 2), 1), return_counts=True, axis=0)[1]
     assert (counts == 2).all() and (made["material"] == 3).all() and made["name"] == "object 'fur'"
+
+
+def test_strokes_are_as_wide_and_uneven_for_others():
+    """Inside the node is noise of as many octaves as our engine has at most, each as much weaker; of .05 mm twenty waves a millimetre of a scene in metres
+    lie across, a fortieth of that along; alphas are up to 1 + 4 strength times as large."""
+    scene = common.empty_scene()
+    common.camera(scene)
+    common.light(scene)
+    material, _tree, node = common.metal("steel")
+    common.plane(material)
+    node.strokes, node.stroke_width, node.grain = 0.5, 50.0, "AXIS_Y"
+    inner = node.node_tree.nodes
+    noise = next(one for one in inner if one.bl_idname == "ShaderNodeTexNoise")
+    ours, = {(one["type"], *one["roughness"], *one["lacunarity"]) for one in read(scene)[0]["materials"][0]["nodes"] if one["type"] == "NOISE"}
+    assert close(ours[1:], (noise.inputs["Roughness"].default_value, noise.inputs["Lacunarity"].default_value if "Lacunarity" in noise.inputs else 2))
+    assert [noise.inputs[name].default_value for name in ("Scale", "Detail", "Distortion")] == [1, 8, 0]
+    assert close(inner["Sizes"].inputs[1].default_value, (20, 0.5, 20)) and close(inner["Share of Strokes"].inputs["To Max"].default_value, 3)
+    assert [inner["Share of Strokes"].inputs[name].default_value for name in ("From Min", "From Max", "To Min")] == [0.25, 0.75, 1]
+    node.grain = "RADIAL_Z"
+    assert close(inner["Sizes"].inputs[1].default_value, (0.5, 0.5, 20))  # they run round it, beside each other along it
+    node.grain = "UV"
+    assert close(inner["Sizes"].inputs[1].default_value, (0.5, 20, 0))
 
 
 def test_a_world_is_rendered_once():
