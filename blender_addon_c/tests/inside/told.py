@@ -535,6 +535,13 @@ def test_what_a_world_is():
         assert found["images"][sky["image"]]["filter"] == filtering and found["images"][sky["image"]]["wrap"] == "REPEAT"
         words = f"world 'world': 'Environment Texture': interpolation {interpolation.lower()} is not supported; linear"
         assert (words in said) == (interpolation in ("Cubic", "Smart")), said
+    # where a direction is looked up: the normal of what is around is the way back
+    place, turn = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeMapping")
+    turn.inputs["Rotation"].default_value = (0, 0, math.pi / 2)
+    tree.links.new(turn.outputs[0], around.inputs["Vector"])
+    for output, sign in (("Generated", 1), ("Object", 1), ("Normal", -1)):
+        tree.links.new(place.outputs[output], turn.inputs["Vector"])
+        assert close(np.reshape(read(scene)[0]["sky"]["matrix"], (3, 4))[:, :3], sign * np.array([(0, -1, 0), (1, 0, 0), (0, 0, 1)])), output
     for kind, bit in (("camera", 1), ("diffuse", 2), ("glossy", 4), ("transmission", 8)):
         setattr(world.cycles_visibility, kind, False)
         world.update_tag()
