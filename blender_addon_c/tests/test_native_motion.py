@@ -281,6 +281,33 @@ def test_vectors():
     np.testing.assert_allclose(vectors, np.broadcast_to([-4, 0, 0, -8], vectors.shape), atol=1e-4)
 
 
+def vectors_of(**changes):
+    job = native.start(scene(width=16, height=16, samples=4, vectors=True, planes=[{"type": "VECTOR"}], **changes))
+    assert native.wait(job, 60)
+    found = np.zeros((16, 16, 4), np.float32)
+    native.image(job, found, "VECTOR")
+    native.free(job)
+    return found
+
+
+def test_vectors_of_cameras_and_of_shapes():
+    """A camera that came from the left and goes on upwards sees the opposite; one that sees half as wide each time moves all away from the middle;
+    a shape moves as an object does."""
+    def eye(x, y):
+        return np.hstack([np.eye(3), [[x], [y], [3]]]).ravel()
+    moving = np.float32([eye(-0.5, 0), eye(0, 0), eye(0, 1)])
+    np.testing.assert_allclose(vectors_of(camera=ortho() | {"motion": moving}), np.broadcast_to([4, 0, 0, 8], (16, 16, 4)), atol=1e-4)
+    frames = np.float32([(-h, h, -h, h) for h in (2, 1, 0.5)])
+    zooming = vectors_of(camera=ortho() | {"motion": np.float32([eye(0, 0)] * 3), "frames": frames})
+    x, y = np.meshgrid(np.arange(16) - 7.5, np.arange(16) - 7.5)
+    np.testing.assert_allclose(zooming, np.stack([-x / 2, -y / 2, -x, -y], -1), atol=0.55)  # at its first sample
+    plate = square()
+    positions = np.asarray(plate["positions"], np.float32).reshape(-1)
+    moved = np.stack([positions + np.tile(np.float32(by), len(positions) // 3) for by in ((-0.5, 0, 0), (0, 0, 0), (0, 1, 0))])
+    bent = plate | {"moved_positions": moved, "moved_normals": np.stack([np.asarray(plate["corner_normals"], np.float32).ravel()] * 3)}
+    np.testing.assert_allclose(vectors_of(meshes=[bent]), np.broadcast_to([-4, 0, 0, -8], (16, 16, 4)), atol=1e-4)
+
+
 @pytest.mark.parametrize("transparent", [True, False])
 def test_a_hole(transparent):
     """Three quarters of it; the sky behind is not seen there."""
