@@ -11,7 +11,7 @@ import pytest
 
 from native_scenes import ROOT, area, dump, material, native, ortho, point, render, scene, spot, sun, unit, vectors
 
-COST = 1.2
+COST = 1.25
 
 TYPES = native.table()["lights"]
 
@@ -198,3 +198,13 @@ def test_blender_hands_over_what_the_module_knows():
         if isinstance(node, ast.Assign) and node.targets[0].id == "_LIGHTS"
     )
     assert sorted(key.value for key in table.keys) == sorted(TYPES)
+
+
+@pytest.mark.parametrize("round, size", [(False, (1.0, 1.0)), (True, (1.0, 1.0)), (True, (1.0, 0.4))])
+def test_a_face_in_a_mirror(round, size):
+    """Is as bright as what it gives by its area: that of a square, a disc or an ellipse."""
+    eye, to = np.array((0.6, 0, 0.8)), np.array((-0.6, 0, 0.8))
+    mirror = {**material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1), ax=1e-3, ay=1e-3)}
+    lamp = area(tuple(2 * to), size, round=round, direction=tuple(-to)) | {"axis_u": (0.4 * size[0], 0, 0.3 * size[0])}
+    picture = render(scene(lights=[lamp], materials=[mirror], camera=ortho(0.02, tuple(3 * eye)), samples=64, width=4, height=4, max_bounces=1))[0]
+    assert picture[..., :3].mean() == pytest.approx(1 / (size[0] * size[1] * (np.pi / 4 if round else 1)), rel=0.01)

@@ -5,7 +5,7 @@ import pytest
 
 from scenes import SUN, scene
 
-COST = 73.2
+COST = 73.3
 
 CLOTHS = ("silk_charmeuse", "silk_shantung", "denim", "gabardine", "linen", "wool_flannel", "polyester_lining",
           "shot_taffeta", "herringbone_tweed")
@@ -203,6 +203,9 @@ def test_light_from_behind_comes_through_thin_yarns(render, shade_check):
     assert dump.S.mean((0, 1, 2)).min() > .01
     shade_check(dump, 2e-5)
     assert render(scene(sheet() + cloth('preset "linen" crossings 20') + "}", lights, FRONT), size=(16, 16)).dump.S.max() == 0
+    # it is not light on their back that double_illuminate would let shine in front
+    own, both = (render(scene(sheet() + cloth(thin) + f" {more} }}", lights, FRONT), size=(12, 12), dump=False).image for more in ("", "double_illuminate"))
+    assert np.array_equal(own, both) and own.mean() > .01
 
 
 @pytest.mark.parametrize("yarns", ["warp", "weft"])

@@ -672,27 +672,6 @@ def test_numbers_at_corners():
     assert [made.listed[number]["width"] for number in numbers] == [4, 4, 2, 2, 4, 4] and made.listed[numbers[1]]["tangents_of"] == numbers[2]
 
 
-def test_names_as_numbers():
-    """Cryptomatte's own examples; an object is its own and its topmost parent's, an empty slot what Cycles calls it."""
-    matte = module("export.matte")
-    for name, number in (("hello", 6.07056271e-17), ("cube", -4.08461913e15), ("sphere", 2.79018604e15), ("plane", 3.66557618e-11)):
-        assert np.isclose(matte.number_of(matte.hash_of(name)), number, rtol=1e-6), name
-    # exponents of what is no finite and normal number become the nearest that are
-    assert matte.number_of(0x80000001) == -matte.number_of(0x00800001) < 0 and matte.number_of(0x7fffffff) == matte.number_of(0x7f7fffff)
-    wanted = matte.Mattes([Of(plane=plane) for plane in ("DEPTH", "OBJECT_MATTE00", "OBJECT_MATTE01", "MATERIAL_MATTE00")])
-    assert wanted.wanted() == {"mattes": [{"type": "OBJECT"}, {"type": "MATERIAL"}], "matte_slots": 4}
-    top = Of(name="plane", parent=None)
-    number = lambda name: matte.number_of(matte.hash_of(name))
-    assert wanted.of_object(Of(name="cube", parent=Of(name="sphere", parent=top))) == {"matte": (number("cube"), number("plane"))}
-    assert wanted.of_material("hello") == {"matte": (number("hello"),)} and wanted.of_material("") == {"matte": (number("default_surface"),)}
-    fields = dict(wanted.fields("layer"))
-    key = f"cryptomatte/{matte.hash_of('layer.CryptoObject'):08x}"[:19]
-    assert fields[key + "/name"] == "layer.CryptoObject" and fields[key + "/hash"] == "MurmurHash3_32" and fields[key + "/conversion"] == "uint32_to_float32"
-    assert fields[key + "/manifest"] == f'{{"cube":"{matte.hash_of("cube"):08x}"}}' and len(fields) == 8
-    nothing = matte.Mattes([])
-    assert nothing.wanted() == nothing.of_object(top) == nothing.of_material("x") == dict(nothing.fields("layer")) == {}
-
-
 def test_where_links_lead_by_a_choice():
     """Nodes that pass on one of their inputs, by what is known of the first: none beyond the last, nor where it is not known."""
     tree = module("export.tree")
@@ -753,6 +732,21 @@ def test_what_measuring_cloth_says():
     none = "No object of this scene wears Libshade Fabric of real size"
     assert said == [("INFO", "Measured 3 object(s)"), ("WARNING", "2 linked object(s) cannot be changed"), ("INFO", "Measured 1 object(s)"), none,
                     ("WARNING", "4 linked object(s) cannot be changed"), none], said
+
+
+def test_numbers_of_faces_and_of_points():
+    """Each triangle has its face's, each corner its point's."""
+    mesh_of, layers = module("export.mesh"), module("export.layers")
+    mesh = bpy.data.meshes.new("strip")
+    mesh.from_pydata([(x, y, 0) for x in range(3) for y in range(2)], [], [(0, 2, 3, 1), (2, 4, 5, 3)])
+    for domain, count in (("FACE", 2), ("POINT", 6)):
+        mesh.attributes.new(domain, "FLOAT", domain).data.foreach_set("value", np.arange(1, count + 1, dtype=np.float32))
+    mesh.calc_loop_triangles()
+    corners = layers.integers(mesh.loop_triangles, "loops", 3)
+    points = mesh_of._corner_positions(mesh, corners)
+    faces, factors, own = (one["data"] for one in mesh_of._layers(mesh, corners, points, [(0, "ATTRIBUTE", "FACE"), (1, "FACTOR", "FACE"), (2, "ATTRIBUTE", "POINT")], "strip", None))
+    assert faces.reshape(-1, 4)[:, 0].tolist() == factors.reshape(-1, 2)[:, 0].tolist() == [1] * 6 + [2] * 6
+    assert own.reshape(-1, 4)[:, 0].tolist() == (points + 1).tolist()
 
 
 def test_meshes_that_cycles_shades_by_other_normals():
