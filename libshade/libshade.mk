@@ -16,15 +16,16 @@ NO_PATH := "-ffile-prefix-map=$(CURDIR)=."
 DEBUG := -g1
 DEBUG_TYPES := -g
 # what the compiler makes code for, as isa.c and port/ ask it; behind what CFLAGS may include
-TARGET := $(shell printf '__x86_64__\n_WIN32\n__aarch64__\n' | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null | tail -n 3)
+TARGET := $(shell printf '__x86_64__\n_WIN32\n__aarch64__\n__APPLE__\n' | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null | tail -n 4)
 TARGET_IS_X86_64 := $(filter 1,$(word 1,$(TARGET)))
 TARGET_IS_WINDOWS := $(filter 1,$(word 2,$(TARGET)))
 TARGET_IS_ARM64 := $(filter 1,$(word 3,$(TARGET)))
+TARGET_IS_MACOS := $(filter 1,$(word 4,$(TARGET)))
 # how its programs are named, and what runs them here (windows.mk)
 EXE := $(if $(TARGET_IS_WINDOWS),.exe)
 RUN :=
-# mingw-w64: C11's printf, and no warnings of its macro isfinite, which names a float of each argument
-SYSTEM_CFLAGS := $(if $(TARGET_IS_WINDOWS),-D__USE_MINGW_ANSI_STDIO=1 -Wno-float-conversion)
+# mingw-w64: C11's printf, and no warnings of its macro isfinite, which names a float of each argument. macOS: what POSIX lacks
+SYSTEM_CFLAGS := $(if $(TARGET_IS_WINDOWS),-D__USE_MINGW_ANSI_STDIO=1 -Wno-float-conversion) $(if $(TARGET_IS_MACOS),-D_DARWIN_C_SOURCE)
 SYSTEM_LIBS := $(if $(TARGET_IS_WINDOWS),-static,-ldl)
 # gcc has vectors on the stack of Windows where their aligned moves fault (its bug 54412)
 UNALIGNED := $(if $(TARGET_IS_WINDOWS),$(if $(CC_IS_GCC),-Wa$(COMMA)-muse-unaligned-vector-move))
@@ -63,7 +64,7 @@ SHADE_OBJ := $(call isa_units,$(ISAS)) $(call in_both,dispatch fabric_eval) $(O)
   $(O)/src/wif_draft.o $(O)/src/wif_write.o
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/scratch_bins.o $(O)/src/scratch_table.o \
   $(O)/src/slopes.o $(O)/src/albedo.o
-SHADE_OBJ += $(O)/port/files.o
+SHADE_OBJ += $(O)/port/files.o $(if $(TARGET_IS_MACOS),$(O)/port/processor.o)
 PORT_OBJ := $(O)/port/process.o $(O)/port/threads.o $(O)/port/map.o
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))
 SHADE_OBJ += $(O)/src/fabric.o $(O)/src/fabric_nodes.o \

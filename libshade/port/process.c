@@ -125,6 +125,9 @@ long long shade_port_line(char **line, size_t *capacity, FILE *file) {
 
 #include <dlfcn.h>
 #include <unistd.h>
+#ifdef __APPLE__
+#include <mach-o/dyld.h>
+#endif
 
 const char shade_port_module_ending[] = ".so";
 
@@ -151,11 +154,23 @@ int shade_port_set_variable(const char *name, const char *value) {
   return value ? setenv(name, value, 1) : unsetenv(name);
 }
 
-int shade_port_program_folder(char *path, size_t size) {
+/* 0, or -1 if it does not fit. */
+static int program_name(char *path, size_t size) {
+#ifdef __APPLE__
+  uint32_t room = (uint32_t)size;
+  return _NSGetExecutablePath(path, &room);
+#else
   const ssize_t length = readlink("/proc/self/exe", path, size);
   if (length <= 0 || (size_t)length == size)
     return -1;
   path[length] = 0;
+  return 0;
+#endif
+}
+
+int shade_port_program_folder(char *path, size_t size) {
+  if (program_name(path, size))
+    return -1;
   char *slash = strrchr(path, '/');
   if (!slash)
     return -1;

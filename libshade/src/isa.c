@@ -6,12 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "port/processor.h"
+
 /*
  * ROW(name, what the CPU must have), from the narrowest: a later one is preferred. avx512 is
  * x86-64-v4 but for what every CPU with AVX-512 has and clang 14 cannot ask for.
  */
 #if defined(__x86_64__)
-#define HAS(feature) __builtin_cpu_supports(feature)
+#define HAS(feature) shade_port_processor_has(feature)
 #define ISA_ROWS(ROW)                                                                              \
   ROW(scalar, 1)                                                                                   \
   ROW(sse2, 1)                                                                                     \

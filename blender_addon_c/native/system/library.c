@@ -71,7 +71,13 @@ void *library_symbol(void *library, const char *name) {
 
 #include <dlfcn.h>
 
+#ifdef __APPLE__
+#define ENDING ".dylib"
+const char library_denoiser[] = "libOpenImageDenoise.2.dylib";
+#else
+#define ENDING ".so"
 const char library_denoiser[] = "libOpenImageDenoise.so.2";
+#endif
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)
@@ -81,8 +87,9 @@ const char library_denoiser[] = "libOpenImageDenoise.so.2";
 #define ADDRESS_SANITIZER 1
 #endif
 
-/* AddressSanitizer's allocator and a deeply bound library's would mix. */
-#if defined(ADDRESS_SANITIZER)
+/* AddressSanitizer's allocator and a deeply bound library's would mix. On macOS each library names
+ * the one that it has a symbol from. */
+#if defined(ADDRESS_SANITIZER) || defined(__APPLE__)
 #define SCOPE 0
 #else
 #define SCOPE RTLD_DEEPBIND
@@ -108,7 +115,7 @@ void *library_open(const char *own, const char *system, char *error, size_t erro
   if (own && dladdr(&anchor, &self) && self.dli_fname && strrchr(self.dli_fname, '/')) {
     int folder = (int)(strrchr(self.dli_fname, '/') - self.dli_fname);
     int length =
-        snprintf(path, sizeof path, "%.*s/lib/libshade_%s.so", folder, self.dli_fname, own);
+        snprintf(path, sizeof path, "%.*s/lib/libshade_%s" ENDING, folder, self.dli_fname, own);
     if (length > 0 && (size_t)length < sizeof path)
       library = open_one(path, error, error_size);
   }

@@ -13,9 +13,9 @@
 #include <stddef.h>
 
 /*
- * Open the module's `own`, e.g. "embree", which is lib/libshade_embree.so or .dll (NULL: there is
- * none), else the system's, e.g. "libembree4.so.4" (Windows has none of these), or one by its path
- * in UTF-8. NULL and a message on failure. Never closed.
+ * Open the module's `own`, e.g. "embree", which is lib/libshade_embree.so, .dylib or .dll
+ * (NULL: there is none), else the system's, e.g. "libembree4.so.4" (Windows and macOS have none of
+ * these), or one by its path in UTF-8. NULL and a message on failure. Never closed.
  */
 void *library_open(const char *own, const char *system, char *error, size_t error_size);
 

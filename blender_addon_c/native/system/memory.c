@@ -105,7 +105,12 @@ void __wrap_free(void *old) {
 
 #else
 
+#ifdef __APPLE__
+#include <malloc/malloc.h>
+#define malloc_usable_size malloc_size
+#else
 #include <malloc.h>
+#endif
 
 void *__real_aligned_alloc(size_t alignment, size_t size);
 int __real_posix_memalign(void **made, size_t alignment, size_t size);

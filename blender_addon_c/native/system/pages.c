@@ -2,9 +2,9 @@
 #define _GNU_SOURCE /* madvise, fstatfs */
 #include "system/pages.h"
 
-#ifdef _WIN32
+#if defined(_WIN32) || defined(__APPLE__)
 
-/* Windows gives all memory a place in its own file. */
+/* These give all memory a place in files of their own. */
 void *pages_new(size_t bytes) {
   (void)bytes;
   return NULL;

@@ -65,6 +65,12 @@ int parallel_cores(void) {
   return (int)GetActiveProcessorCount(ALL_PROCESSOR_GROUPS); /* in several groups it has no mask */
 }
 
+#elif defined(__APPLE__) /* which keeps no thread on a processor */
+
+int parallel_cores(void) {
+  return shade_port_processors();
+}
+
 #else
 
 #include <sched.h>

@@ -12,9 +12,9 @@ void threads_yield(void) {
   sched_yield();
 }
 
-#ifdef _WIN32
+#if defined(_WIN32) || defined(__APPLE__)
 
-/* winpthreads waits by the clock that tells the time of day: for what is left of the other. */
+/* These wait by the clock that tells the time of day: for what is left of the other. */
 void threads_condition(pthread_cond_t *changed) {
   pthread_cond_init(changed, NULL);
 }

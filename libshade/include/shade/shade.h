@@ -27,7 +27,9 @@
 extern "C" {
 #endif
 
-#if defined(__GNUC__)
+/* given where libshade.a becomes part of a shared library that shows none of it: -DSHADE_API= */
+#if defined(SHADE_API)
+#elif defined(__GNUC__)
 #define SHADE_API __attribute__((visibility("default")))
 #else
 #define SHADE_API
