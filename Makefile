@@ -5,9 +5,11 @@
 #   make check     all tests
 #   make blender   the add-on: build/libshade-blender.zip
 #   make render    build/shade-render, which renders scenes that Blender saved, without Blender
-#   make release   the add-on for every Linux with glibc 2.28 or later: build/release/libshade-blender.zip
+#   make release-addon  the add-on for every Linux with glibc 2.28 or later: build/release/libshade-blender.zip
+#   make release   all that others fetch: it, and library, tools and add-on for Linux, Windows and macOS, in build/release, with SHA256SUMS
 #   make farm      build/libshade-farm, which spreads frames, tiles and shares over machines
 #   make windows   library, shade, shade-render and the add-on for Windows: build/release/*-windows-x64.zip and SHA256SUMS
+#   make macos     the same for macOS on arm64 and on x86-64: build/release/*-macos-*
 #   make povray    POV-Ray with libshade: build/povray/povray
 #   make povray-package  it as a package for Debian, beside Debian's own, and as an archive that runs from any folder
 #   make compare   the demo, a normal map against the displaced truth, speed beside Cycles; a report of all, by a cluster with ENGINE=slurm
@@ -18,7 +20,7 @@
 #   make install   libshade, its headers, manual pages, tool and Python module to PREFIX (/usr/local); uninstall
 #   make abi       the interface of the library as a text, libshade/abi/libshade.abi, which a test compares it with
 #   make soak      all tests under sanitizers and as clang compiles them, a hundred million awkward cases, more of both renderers
-#   make soak-machines  library, tool and renderer compiled for Windows and arm64, and run by Wine and qemu
+#   make soak-machines  library, tool and renderer compiled for Windows, arm64 and macOS; run by Wine and qemu, or read
 #   make bench     speed against accuracy
 #   make bench-pairs BEFORE=COMMIT  whether a row of it is slower than that commit's
 #   make bench-frames BEFORE=COMMIT  whether a frame of an example scene takes longer than at that commit
@@ -60,11 +62,11 @@ check-before-pytest: povray setup-test setup-demo all blender native $(MEASURED)
 ifneq ($(filter check-before-pytest,$(MAKECMDGOALS)),)
 lint: | $(S)/lint.packages
 $(NATIVE)/test_stages $(NATIVE)/test_system $(TESTS) $(CHECKS): | $(S)/test.packages
-# SMOKE=1: the zip of `make release`, too, for its tests, and a Debian 13 for Blender 5.2; where these can't be had tests say so
+# SMOKE=1: the zip of `make release-addon`, too, for its tests, and a Debian 13 for Blender 5.2; where these can't be had tests say so
 ifneq ($(SMOKE),)
 check-before-pytest: release-fetched debian13 smoke
 smoke: blender native release-fetched
-	@[ ! -e $(VENV_RELEASE)/done ] || [ ! -e $(RELEASE_SOURCES)/done ] || $(MAKE) --no-print-directory NEEDS= release
+	@[ ! -e $(VENV_RELEASE)/done ] || [ ! -e $(RELEASE_SOURCES)/done ] || $(MAKE) --no-print-directory NEEDS= release-addon
 endif
 endif
 

@@ -28,11 +28,11 @@ rest_of_manual = $(shell find $(1)/manual -type f ! -path $(1)/manual/index.html
 
 blender: $(B)/libshade-blender.zip
 
-# five hundred awkward scenes in either Blender, fewer in those of others' systems, which have the zip of `make release`; all lights
+# five hundred awkward scenes in either Blender, fewer in those of others' systems, which have the zip of `make release-addon`; all lights
 # in both: some minutes
 soak: soak-blender
 SOAK_BPY = $(if $(filter 3.11,$(PYTHON_VERSION)),$(B)/venv-bpy-4.2/done $(B)/venv-bpy-4.5/done)
-soak-blender: $(B)/libshade-blender.zip release debian13 $(RENDER) $(SOAK_BPY)
+soak-blender: $(B)/libshade-blender.zip release-addon debian13 $(RENDER) $(SOAK_BPY)
 	@$(B)/venv/bin/python blender_addon_c/tests/soak.py --seeds 500
 	@$(B)/venv/bin/python blender_addon_c/tests/soak.py --seeds 100 --version 4.2 4.5 5.2 5.3 --zip $(RELEASE_ZIP)
 	@BOTH=1 $(B)/venv/bin/python -m pytest -q blender_addon_c/tests/test_blender_lights.py blender_addon_c/tests/test_blender_sky.py \
@@ -70,3 +70,4 @@ $(B)/libshade-blender.zip: blender_addon_c/package.py $(BLENDER_READY) $(BLENDER
 
 include blender_addon_c/release.mk
 include blender_addon_c/windows.mk
+include blender_addon_c/macos.mk

@@ -16,9 +16,28 @@ NATIVE_ISAS := $(ISAS)
 FAMILIES := $(patsubst $(N)/isa/%.c,%,$(filter-out %/choose.c,$(wildcard $(N)/isa/*.c)))
 NATIVE_OBJ := $(foreach isa,$(NATIVE_ISAS),$(FAMILIES:%=$(NATIVE)/obj/isa/$(isa)/%.o)) \
   $(patsubst $(N)/%.c,$(NATIVE)/obj/%.o,$(filter-out $(FAMILIES:%=$(N)/isa/%.c),$(wildcard $(N)/*/*.c)))
-NATIVE_WRAP := $(patsubst %,-Wl$(COMMA)--wrap=%,malloc calloc realloc $(if $(TARGET_IS_WINDOWS),,aligned_alloc posix_memalign) strdup free)
+WRAPPED := malloc calloc realloc $(if $(TARGET_IS_WINDOWS),,aligned_alloc posix_memalign) strdup free
+# macOS' linkers have no --wrap: what is linked are copies that call the functions by those names
+ifeq ($(TARGET_IS_MACOS),)
+NATIVE_WRAP := $(WRAPPED:%=-Wl$(COMMA)--wrap=%)
+wrapped = $(1)
+else
+NATIVE_WRAP :=
+wrapped = $(patsubst $(B)/%,$(B)/wrapped/%,$(1))
+OBJCOPY := llvm-objcopy
+$(B)/wrapped/%: RENAMED = $(foreach name,$(WRAPPED),--redefine-sym _$(name)=___wrap_$(name))
+$(B)/wrapped/%/system/memory.o: RENAMED = $(foreach name,$(WRAPPED),--redefine-sym ___real_$(name)=_$(name))
+$(B)/wrapped/%: $(B)/%
+	@mkdir -p $(@D)
+	$(Q)$(OBJCOPY) $(RENAMED) $< $@
+$(B)/wrapped/libshade.a: $(call wrapped,$(SHADE_OBJ))
+$(B)/wrapped/libshade_dump.a: $(call wrapped,$(DUMP_OBJ) $(WHOLE_OBJ))
+$(B)/wrapped/%.a:
+	$(Q)rm -f $@ && $(AR) rcs $@ $^
+endif
 NATIVE_EXPORTS := $(N)/python/exports.map
-NATIVE_LDFLAGS := -shared $(if $(TARGET_IS_WINDOWS),,-Wl$(COMMA)--version-script=$(NATIVE_EXPORTS) -Wl$(COMMA)-Bsymbolic) $(NATIVE_WRAP)
+NATIVE_LDFLAGS := -shared $(if $(TARGET_IS_WINDOWS),,$(if $(TARGET_IS_MACOS),-Wl$(COMMA)-install_name$(COMMA)@rpath/_native.abi3.so, \
+  -Wl$(COMMA)--version-script=$(NATIVE_EXPORTS) -Wl$(COMMA)-Bsymbolic)) $(NATIVE_WRAP)
 # where a module has to name what it takes its Python from (windows.mk)
 NATIVE_PYTHON_LIBS :=
 
@@ -97,13 +116,13 @@ $(NATIVE)/obj/isa/$(1)/%.o: $(if $(filter $(1),$(PLAIN_STAGES)),$(PLAIN_NATIVE)/
 endef
 $(foreach isa,$(NATIVE_ISAS),$(eval $(call NATIVE_STAGES_OF,$(isa))))
 NATIVE_ARCHIVES := $(O)/port/threads.o $(B)/libshade_dump.a $(B)/libshade.a
-$(NATIVE_SO): $(NATIVE_OBJ) $(NATIVE_ARCHIVES) $(NATIVE_EXPORTS)
+$(NATIVE_SO): $(call wrapped,$(NATIVE_OBJ) $(NATIVE_ARCHIVES)) $(NATIVE_EXPORTS)
 	$(call say,link     ,$@)
-	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $(NATIVE_OBJ) $(NATIVE_ARCHIVES) $(NATIVE_PYTHON_LIBS) -lm -lpthread $(SYSTEM_LIBS) -o $@
+	$(Q)$(CC) $(NATIVE_LDFLAGS) $(CFLAGS) $(LDFLAGS) $(filter %.o %.a,$^) $(NATIVE_PYTHON_LIBS) -lm -lpthread $(SYSTEM_LIBS) -o $@
 render: $(RENDER)
 $(NATIVE)/obj/tool/%.o: blender_addon_c/tool/%.c $(NATIVE_FLAGS_IN)
 	$(NATIVE_COMPILE)
-$(RENDER): $(RENDER_OBJ)
+$(RENDER): $(call wrapped,$(RENDER_OBJ))
 	$(call say,link     ,$@)
 	$(Q)$(CC) $(NATIVE_WRAP) $(CFLAGS) $(LDFLAGS) $^ $(EXR_LIBS) $(PNG_LIBS) -lz -pthread $(SYSTEM_LIBS) -lm -o $@
 # the stages without Python; needs cmocka

@@ -1,21 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The zip for every Linux with glibc 2.28 or later: build/release/libshade-blender.zip. The same objects as those of the
-# local module, but for the one that knows Embree, linked to the symbols that glibc 2.28 has; Embree 4 and its TBB of
-# PyPI's embreex; OpenEXRCore compiled here, with zlib in it.
-RELEASE := $(B)/release
+# local module, but for the one that knows Embree, linked as libshade/linux.mk does; Embree 4 and its TBB of PyPI's embreex;
+# OpenEXRCore compiled here, with zlib in it. `make release` makes all that others fetch, for each machine.
 RELEASE_ADDON := $(RELEASE)/libshade
 RELEASE_ZIP := $(RELEASE)/libshade-blender.zip
 RELEASE_NATIVE := $(patsubst %,$(RELEASE_ADDON)/%,_native.abi3.so $(patsubst %,lib/libshade_%.so,embree tbb openexrcore))
 RELEASE_FILES := $(RELEASE_NATIVE) $(patsubst $(BLENDER_ADDON)/%,$(RELEASE_ADDON)/%,$(filter-out $(BLENDER_NATIVE),$(BLENDER_ZIPPED)))
-RELEASE_NEEDS := $(VENV_RELEASE)/done $(RELEASE_SOURCES)/done
 
-# zig's own runtime answers __builtin_cpu_supports wrongly: gcc's comes first. No debug information: zig's names folders
-RELEASE_LINK = ZIG_GLOBAL_CACHE_DIR=$(abspath $(RELEASE))/zig ZIG_LOCAL_CACHE_DIR=$(abspath $(RELEASE))/zig \
-  $(abspath $(VENV_RELEASE))/bin/python -m ziglang cc -target x86_64-linux-gnu.2.28 -Wl,--strip-debug
-RELEASE_RUNTIME = $(shell $(CC) -print-libgcc-file-name)
-
-.PHONY: release
-release: $(RELEASE_ZIP)
+.PHONY: release release-addon
+release-addon: $(RELEASE_ZIP)
+release: release-addon linux linux-arm64 windows macos
+	$(Q)$(SUMS)
 
 RELEASE_OBJ := $(filter-out %/scene/accel.o,$(NATIVE_OBJ)) $(RELEASE)/obj/accel.o
 $(RELEASE)/obj/accel.o: NATIVE_FOR = -isystem $(RELEASE_SOURCES)/embree/usr/include
@@ -32,14 +27,6 @@ $(RELEASE_ADDON)/lib/libshade_tbb.so: FROM = $(VENV_RELEASE)/lib/python3*/site-p
 $(RELEASE_ADDON)/lib/libshade_embree.so $(RELEASE_ADDON)/lib/libshade_tbb.so: $(VENV_RELEASE)/done blender_addon_c/native.mk
 	$(NATIVE_OWN)
 
-# two of its headers are made by its own build: those of the system's
-RELEASE_EXR = $(RELEASE_SOURCES)/openexr-*/src/lib/OpenEXRCore
-$(RELEASE)/openexrcore.o: $(RELEASE_SOURCES)/done blender_addon_c/release.mk
-	$(call say,compile  ,$@)
-	$(Q)mkdir -p $(RELEASE)/openexrcore
-	$(Q)for source in $(RELEASE_EXR)/*.c; do $(CC) -O2 -fPIC -w $(EXR_CFLAGS) -I$$(dirname $$source) \
-	  -c $$source -o $(RELEASE)/openexrcore/$$(basename $$source).o || exit 1; done
-	$(Q)ld -r $(RELEASE)/openexrcore/*.o -o $@
 $(RELEASE_ADDON)/lib/libshade_openexrcore.so: $(RELEASE)/openexrcore.o $(N)/system/openexrcore.map $(VENV_RELEASE)/done
 	@mkdir -p $(@D)
 	$(call say,link     ,$@)
@@ -54,3 +41,24 @@ $(RELEASE_ADDON)/%: $(BLENDER_ADDON)/%
 $(RELEASE_ZIP): blender_addon_c/package.py $(RELEASE_FILES)
 	$(call say,zip      ,$@)
 	$(Q)/usr/bin/python3 $< $@ $(RELEASE_ADDON) $(RELEASE_FILES) $(call rest_of_manual,$(RELEASE_ADDON))
+
+# shade-render, with the same Embree in its folder lib
+LINUX_RENDER_NAME := shade-render-$(SHADE_VERSION)-linux-x64
+LINUX_RENDER_STAGE := $(RELEASE)/linux/$(LINUX_RENDER_NAME)
+LINUX_RENDER_ARCHIVE := $(RELEASE)/$(LINUX_RENDER_NAME).tar.gz
+LINUX_RENDER_LIBS := $(patsubst %,$(RELEASE_ADDON)/lib/libshade_%.so,embree tbb)
+linux: $(if $(TARGET_IS_ARM64),,$(LINUX_RENDER_ARCHIVE))
+$(RELEASE)/linux/shade-render: $(filter-out %/scene/accel.o,$(RENDER_OBJ)) $(RELEASE)/obj/accel.o $(RELEASE)/openexrcore.o $(RELEASE_NEEDS)
+	@mkdir -p $(@D)
+	$(call say,link     ,$@)
+	$(Q)$(RELEASE_LINK) $(NATIVE_WRAP) $(filter %.o %.a,$^) $(LINUX_STATIC) $(RELEASE_RUNTIME) -lm -lpthread -ldl -o $@
+$(LINUX_RENDER_ARCHIVE): $(RELEASE)/linux/shade-render $(LINUX_RENDER_LIBS) blender_addon_c/release.mk
+	$(call say,archive  ,$@)
+	$(Q)rm -rf $(LINUX_RENDER_STAGE) && mkdir -p $(LINUX_RENDER_STAGE)/lib $(LINUX_RENDER_STAGE)/licences
+	$(Q)cp $(RELEASE)/linux/shade-render $(LINUX_RENDER_STAGE)
+	$(Q)cp $(LINUX_RENDER_LIBS) $(LINUX_RENDER_STAGE)/lib
+	$(Q)cp LICENSES/GPL-3.0-or-later.txt $(LINUX_RENDER_STAGE)/LICENSE.txt
+	$(Q)$(call stage_licences,$(LINUX_LICENCES) $(RELEASE_SOURCES)/embree/usr/share/doc/libembree-dev/copyright,$(LINUX_RENDER_STAGE))
+	$(Q)cp $(VENV_RELEASE)/lib/python3*/site-packages/embreex-*.dist-info/licenses/LICENSE $(LINUX_RENDER_STAGE)/licences/embreex.txt
+	$(Q)cp LICENSES/Apache-2.0.txt $(LINUX_RENDER_STAGE)/licences/libtbb.txt
+	$(Q)$(call tar_of,$(LINUX_RENDER_STAGE))

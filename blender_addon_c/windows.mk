@@ -42,7 +42,7 @@ $(WINDOWS_RENDER_ZIP): windows-render-built blender_addon_c/windows.mk
 	$(Q)cp $(W)/shade-render.exe $(WINDOWS_RENDER_STAGE)
 	$(Q)cp $(WINDOWS_RUNTIME) $(WINDOWS_RENDER_STAGE)/lib
 	$(Q)cp LICENSES/GPL-3.0-or-later.txt $(WINDOWS_RENDER_STAGE)/LICENSE.txt
-	$(Q)for file in $(WINDOWS_RENDER_LICENCES); do cp $$file $(WINDOWS_RENDER_STAGE)/licences/$$(basename $$(dirname $$file)).txt || exit 1; done
+	$(Q)$(call stage_licences,$(WINDOWS_RENDER_LICENCES),$(WINDOWS_RENDER_STAGE))
 	$(Q)for wheel in embreex msvc_runtime; do \
 	  cp $(WINDOWS_WHEELS)/$$wheel-*.dist-info/licenses/LICENSE $(WINDOWS_RENDER_STAGE)/licences/$$wheel.txt || exit 1; done
 	$(Q)cp LICENSES/Apache-2.0.txt $(WINDOWS_RENDER_STAGE)/licences/libtbb.txt

@@ -29,3 +29,9 @@ check-arm64: $(ARM64)/lib/libcmocka.a $(ARM64_LIBRARIES)/done blender $(RENDER)
 	@BOTH=1 $(PY) -m pytest -q blender_addon_c/tests/test_arm64_render.py
 	$(Q)$(ARM64_RUN) $(ARM64)/shade --version | grep -q neon
 soak-machines: check-arm64
+
+# Library and tool for others' machines, as linux.mk says
+.PHONY: linux-arm64
+linux-arm64: $(ARM64_LIBRARIES)/done $(RELEASE_NEEDS)
+	$(Q)+$(ARM64_MAKE) VENV_RELEASE=$(VENV_RELEASE) RELEASE_SOURCES=$(RELEASE_SOURCES) ZIG="$(ZIG)" ARCHIVES=$(B)/release \
+	  STRIP=aarch64-linux-gnu-strip LD=aarch64-linux-gnu-ld linux

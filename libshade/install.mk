@@ -21,8 +21,9 @@ PYTHONDIR ?= $(or $(shell $(PYTHON3) -c '$(PYTHON_LOOKS)' $(PREFIX) 2>/dev/null)
 SHADE_VERSION := $(shell sed -n 's/^.define SHADE_VERSION "\(.*\)"/\1/p' $(L)/include/shade/shade.h)
 # what callers hold in their memory may still change with a minor release: until 1.0 each of them
 # is an interface of its own
-SHADE_SONAME := $(if $(TARGET_IS_WINDOWS),libshade-$(basename $(SHADE_VERSION)).dll,libshade.so.$(basename $(SHADE_VERSION)))
-SHADE_SHARED := $(if $(TARGET_IS_WINDOWS),$(SHADE_SONAME),libshade.so.$(SHADE_VERSION))
+SHADE_SONAME := $(if $(TARGET_IS_WINDOWS),libshade-$(basename $(SHADE_VERSION)).dll,$(if \
+  $(TARGET_IS_MACOS),libshade.$(basename $(SHADE_VERSION)).dylib,libshade.so.$(basename $(SHADE_VERSION))))
+SHADE_SHARED := $(if $(TARGET_IS_WINDOWS)$(TARGET_IS_MACOS),$(SHADE_SONAME),libshade.so.$(SHADE_VERSION))
 
 # Its symbols carry the interface they are of: a program says what it was linked with.
 $(B)/libshade.map: $(L)/include/shade/shade.h
@@ -36,6 +37,10 @@ $(B)/libshade.def: $(L)/port/exports.awk $(wildcard $(L)/include/shade/*.h)
 $(B)/$(SHADE_SHARED): $(SHADE_OBJ) $(B)/libshade.def
 	$(call say,link     ,$@)
 	$(Q)$(CC) -shared -static -Wl,--no-insert-timestamp,--out-implib=$(B)/libshade.dll.a $(CFLAGS) $(LDFLAGS) $^ -lm -o $@
+else ifneq ($(TARGET_IS_MACOS),)
+$(B)/$(SHADE_SHARED): $(SHADE_OBJ)
+	$(call say,link     ,$@)
+	$(Q)$(CC) -shared -Wl,-install_name,@rpath/$(SHADE_SONAME) $(CFLAGS) $(LDFLAGS) $^ -lm -o $@
 else
 # Under its full name only: with a link libshade.so beside libshade.a, -lshade would take it.
 $(B)/$(SHADE_SHARED): $(SHADE_OBJ) | $(B)/libshade.map
@@ -104,6 +109,27 @@ SHADE_PC = $(call PC_OF,$(PREFIX),$(call in_prefix,$(LIBDIR)),$(call in_prefix,$
 # a name of our own: POV-Ray's configure reads PKGCONFIG
 export SHADE_PC
 
+# Archives for other machines (windows.mk, macos.mk, arm64.mk): a folder that can lie anywhere, with what is seen from its lib
+MOVED_PC = $(call PC_OF,$${pcfiledir}/../..,$${prefix}/lib,$${prefix}/include)
+export MOVED_PC
+# $(1): the folder; $(2): the shared library, seen from lib; $(3): what CMake is told of it
+define stage_library
+	$(Q)mkdir -p $(addprefix $(1)/,include/shade lib/pkgconfig lib/cmake/libshade)
+	$(Q)cp $(INSTALLED_HEADERS) $(1)/include/shade
+	$(Q)cp LICENSES/Apache-2.0.txt $(1)/LICENSE.txt
+	@echo "$$MOVED_PC" >$(1)/lib/pkgconfig/libshade.pc
+	@for file in $(CMAKE_PACKAGE); do \
+	  sed -e 's,@VERSION@,$(SHADE_VERSION),' -e 's,@MINOR@,$(basename $(SHADE_VERSION)),' -e 's,@LIB@,../..,' -e 's,@INCLUDE@,../../../include,' \
+	    -e 's,@SHARED@,$(2),' -e 's,@NAMED@,$(3),' $(L)/cmake/$$file.in >$(1)/lib/cmake/libshade/$$file || exit 1; done
+endef
+# $(1): files, each in a folder that is named as what it is of
+stage_licences = for file in $(1); do cp $$file $(2)/licences/$$(basename $$(dirname $$file)).txt || exit 1; done
+# a folder as what tar unpacks: the same files are the same bytes, and programs stay programs
+tar_of = mkdir -p $(@D) && tar --format=gnu --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner --mode=u+w,go-w,a+rX -C $(dir $(1)) -cf - $(notdir $(1)) | \
+  gzip -9n >$@.part && mv $@.part $@
+# of all that is there for others to fetch
+SUMS = cd $(B)/release && sha256sum $$(ls | grep -E '\.(zip|tar\.gz)$$') >SHA256SUMS
+
 .PHONY: install uninstall
 install: all $(MAN1) $(MAN3)
 	$(INSTALL) -d $(addprefix $(DESTDIR),$(BINDIR) $(LIBDIR) $(PKGCONFIGDIR) $(CMAKEDIR) $(INCLUDEDIR)/shade \
@@ -134,3 +160,5 @@ uninstall:
 	rm -rf $(DESTDIR)$(PYTHONDIR)/shade/__pycache__
 	for folder in $(addprefix $(DESTDIR),$(INCLUDEDIR)/shade $(LIBEXECDIR)/shade $(CMAKEDIR) $(PYTHONDIR)/shade); do \
 	  if [ -d $$folder ]; then rmdir --ignore-fail-on-non-empty $$folder; fi; done
+
+include $(L)/linux.mk

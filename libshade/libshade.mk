@@ -2,7 +2,13 @@
 # libshade, the `shade` tool, their tests. Needs a C compiler and make, no more.
 L := libshade
 COMMA := ,
-CC_IS_GCC := $(if $(findstring clang,$(shell $(CC) --version 2>/dev/null)),,yes)
+# what the compiler is and makes code for, as isa.c and port/ ask it; behind what CFLAGS may include
+TARGET := $(shell printf '__x86_64__\n_WIN32\n__aarch64__\n__APPLE__\n__clang__\n' | $(CC) $(CFLAGS) -E -P -o - -xc - 2>/dev/null | tail -n 5)
+TARGET_IS_X86_64 := $(filter 1,$(word 1,$(TARGET)))
+TARGET_IS_WINDOWS := $(filter 1,$(word 2,$(TARGET)))
+TARGET_IS_ARM64 := $(filter 1,$(word 3,$(TARGET)))
+TARGET_IS_MACOS := $(filter 1,$(word 4,$(TARGET)))
+CC_IS_GCC := $(if $(filter 1,$(word 5,$(TARGET))),,yes)
 # a warning that a later compiler has stops tests, and nobody who only builds
 ifneq ($(filter check check-% soak soak-%,$(MAKECMDGOALS)),)
 export WERROR := -Werror
@@ -15,12 +21,6 @@ NO_PATH := "-ffile-prefix-map=$(CURDIR)=."
 # holds public functions has their types (`make abi`)
 DEBUG := -g1
 DEBUG_TYPES := -g
-# what the compiler makes code for, as isa.c and port/ ask it; behind what CFLAGS may include
-TARGET := $(shell printf '__x86_64__\n_WIN32\n__aarch64__\n__APPLE__\n' | $(CC) $(CFLAGS) -E -P -xc - 2>/dev/null | tail -n 4)
-TARGET_IS_X86_64 := $(filter 1,$(word 1,$(TARGET)))
-TARGET_IS_WINDOWS := $(filter 1,$(word 2,$(TARGET)))
-TARGET_IS_ARM64 := $(filter 1,$(word 3,$(TARGET)))
-TARGET_IS_MACOS := $(filter 1,$(word 4,$(TARGET)))
 # how its programs are named, and what runs them here (windows.mk)
 EXE := $(if $(TARGET_IS_WINDOWS),.exe)
 RUN :=
@@ -287,4 +287,5 @@ $(B)/soak.txt: $(B)/test/soak
 
 include $(L)/fuzz/fuzz.mk
 include $(L)/windows.mk
+include $(L)/macos.mk
 include $(L)/arm64.mk

@@ -14,7 +14,7 @@ WINE := /usr/lib/wine/wine64
 # no desktop, no Mono and no Gecko: these would be asked for when its folder is made
 WINE_RUN = WINEPREFIX=$(abspath $(W))/wine WINEDEBUG=-all WINEDLLOVERRIDES=mscoree,mshtml,winemenubuilder.exe= $(WINE)
 
-$(WINDOWS_SOURCES)/done: setup/windows-sources.sh | $(S)/windows.packages
+$(WINDOWS_SOURCES)/done: setup/windows-sources.sh | $(S)/release.packages
 	@setup/windows-sources.sh $(@D)
 	@touch $@
 
@@ -44,31 +44,23 @@ WINDOWS_MAKE = $(MAKE) --no-print-directory NEEDS= B=$(W) CC="$(WINDOWS_CC)" AR=
 WINDOWS_DLL := libshade-$(basename $(SHADE_VERSION)).dll
 .PHONY: windows windows-built
 windows: $(WINDOWS_ZIP)
-	$(Q)cd $(<D) && sha256sum *.zip >SHA256SUMS
+	$(Q)$(SUMS)
 windows-built: $(WINDOWS_LIBS)
 	$(Q)+$(WINDOWS_MAKE) $(W)/shade.exe $(W)/$(WINDOWS_DLL)
 
-# programs in bin, with the DLL beside them; what is seen from lib is written so that the folder can lie anywhere
+# programs in bin, with the DLL beside them
 WINDOWS_STAGE := $(W)/$(WINDOWS_NAME)
-WINDOWS_PC = $(call PC_OF,$${pcfiledir}/../..,$${prefix}/lib,$${prefix}/include)
-export WINDOWS_PC
 # of what is linked into shade.exe; winpthreads' is in that of mingw-w64
 WINDOWS_LICENCES := $(WINDOWS_SOURCES)/libpng1.6-*/LICENSE $(WINDOWS_SOURCES)/openexr-*/LICENSE.md \
   /usr/share/doc/libz-mingw-w64-dev/copyright /usr/share/doc/mingw-w64-common/copyright /usr/share/doc/gcc-mingw-w64-base/copyright
 $(WINDOWS_ZIP): windows-built $(INSTALLED_HEADERS) $(L)/windows.mk $(CMAKE_PACKAGE:%=$(L)/cmake/%.in)
 	$(call say,zip      ,$@)
-	$(Q)rm -rf $(WINDOWS_STAGE) && mkdir -p $(@D) $(addprefix $(WINDOWS_STAGE)/,bin include/shade lib/pkgconfig lib/cmake/libshade licences)
+	$(Q)rm -rf $(WINDOWS_STAGE) && mkdir -p $(@D) $(addprefix $(WINDOWS_STAGE)/,bin licences)
 	$(Q)cp $(W)/shade.exe $(W)/$(WINDOWS_DLL) $(WINDOWS_STAGE)/bin
+	$(call stage_library,$(WINDOWS_STAGE),../bin/$(WINDOWS_DLL),IMPORTED_IMPLIB "$${_libshade_lib}/libshade.dll.a")
 	$(Q)cp $(W)/libshade.a $(W)/libshade.dll.a $(W)/libshade.def $(WINDOWS_STAGE)/lib
 	$(Q)$(WINDOWS_STRIP) --strip-debug --enable-deterministic-archives $(WINDOWS_STAGE)/lib/libshade.a
-	$(Q)cp $(INSTALLED_HEADERS) $(WINDOWS_STAGE)/include/shade
-	$(Q)cp LICENSES/Apache-2.0.txt $(WINDOWS_STAGE)/LICENSE.txt
-	$(Q)for file in $(WINDOWS_LICENCES); do cp $$file $(WINDOWS_STAGE)/licences/$$(basename $$(dirname $$file)).txt || exit 1; done
-	@echo "$$WINDOWS_PC" >$(WINDOWS_STAGE)/lib/pkgconfig/libshade.pc
-	@for file in $(CMAKE_PACKAGE); do \
-	  sed -e 's,@VERSION@,$(SHADE_VERSION),' -e 's,@MINOR@,$(basename $(SHADE_VERSION)),' -e 's,@LIB@,../..,' -e 's,@INCLUDE@,../../../include,' \
-	    -e 's,@SHARED@,../bin/$(WINDOWS_DLL),' -e 's,@NAMED@,IMPORTED_IMPLIB "$${_libshade_lib}/libshade.dll.a",' \
-	    $(L)/cmake/$$file.in >$(WINDOWS_STAGE)/lib/cmake/libshade/$$file || exit 1; done
+	$(Q)$(call stage_licences,$(WINDOWS_LICENCES),$(WINDOWS_STAGE))
 	$(Q)$(PYTHON3) blender_addon_c/package.py $@ $(WINDOWS_STAGE) $$(find $(WINDOWS_STAGE) -type f)
 
 # All of the library's tests but those of signals and of stacks, which are POSIX's own; then those of programs

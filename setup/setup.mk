@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # What must be on the system: Debian packages and, in build/, Python environments with pinned packages.
-#   make setup-build setup-blender setup-povray setup-package setup-demo setup-test setup-peers setup-release setup-windows setup-arm64
+#   make setup-build setup-blender setup-povray setup-package setup-demo setup-test setup-peers setup-release setup-windows setup-macos setup-arm64
 # The system's own Python, once it is there. Wheels of bpy are each for one version of it: 3.11 on Debian 12, 3.13 on 13
 PYTHON3 := /usr/bin/python3
 PYTHON_VERSION = $(shell $(PYTHON3) -c 'import sys; print("%d.%d" % sys.version_info[:2])')
@@ -15,6 +15,8 @@ VENV_LINT := $(B)/venv-lint
 VENV_MANUAL := $(B)/venv-manual
 VENVS := $(VENV) $(VENV_BPY) $(VENV_PEERS) $(VENV_RELEASE) $(VENV_LINT) $(VENV_MANUAL) $(B)/venv-bpy-4.2 $(B)/venv-bpy-4.5
 RELEASE_SOURCES := $(B)/release/debian
+# with what it keeps in build/
+ZIG = ZIG_GLOBAL_CACHE_DIR=$(abspath $(B))/release/zig ZIG_LOCAL_CACHE_DIR=$(abspath $(B))/release/zig $(abspath $(VENV_RELEASE))/bin/python -m ziglang
 PY := $(VENV)/bin/python
 PY_BPY := $(VENV_BPY)/bin/python
 S := $(B)/setup
@@ -42,8 +44,10 @@ NEEDS_soak := build blender povray package test release
 NEEDS_check-povray-package := $(NEEDS_povray-package) test
 NEEDS_check-povray-scenes := build povray test
 NEEDS_lint := lint
-NEEDS_release := build blender release
+NEEDS_release-addon := build blender release
+NEEDS_release := build blender release windows macos arm64
 NEEDS_windows := build blender windows
+NEEDS_macos := build blender release macos
 NEEDS_check-windows := build blender windows test
 NEEDS_check-arm64 := build blender windows arm64 test
 NEEDS_soak-machines := $(NEEDS_check-windows) arm64
@@ -55,7 +59,7 @@ ifneq ($(NEEDS),)
 include $(NEEDS:%=$(S)/%.stamp)
 endif
 
-SETUPS := build blender povray package demo test lint peers release windows arm64
+SETUPS := build blender povray package demo test lint peers release windows macos arm64
 .PHONY: $(SETUPS:%=setup-%)
 $(SETUPS:%=setup-%): setup-%: $(S)/%.stamp
 
@@ -76,6 +80,7 @@ $(S)/test.stamp: $(VENV)/done $(VENV_BPY)/done
 $(S)/peers.stamp: $(VENV)/done $(VENV_BPY)/done $(VENV_PEERS)/done
 $(S)/lint.stamp: $(VENV_LINT)/done
 $(S)/windows.stamp: $(B)/windows/debian/done $(B)/windows/wheels/done $(RELEASE_SOURCES)/done
+$(S)/macos.stamp: $(B)/windows/debian/done $(B)/macos/wheels/done $(VENV_RELEASE)/done $(RELEASE_SOURCES)/done
 $(S)/release.stamp: $(VENV_RELEASE)/done $(RELEASE_SOURCES)/done
 
 PINS = $<
@@ -107,8 +112,8 @@ DEBIAN13_BPY = $(filter-out $(BPY_OF_$(PYTHON_VERSION)),5.2 $(if $(filter soak%,
 .PHONY: debian13
 debian13: $(VENV)/done
 	@[ -z "$(DEBIAN13_BPY)" ] || setup/debian13.sh $(DEBIAN13_BPY)
-# What `make release` needs of others, where it can be had
+# What `make release-addon` needs of others, where it can be had
 .PHONY: release-fetched
 release-fetched: | $(S)/demo.packages $(S)/release.packages
 	@$(MAKE) --no-print-directory NEEDS= $(RELEASE_NEEDS) || \
-	  echo "setup: what make release needs can't be had: tests of its zip are skipped" >&2
+	  echo "setup: what make release-addon needs can't be had: tests of its zip are skipped" >&2

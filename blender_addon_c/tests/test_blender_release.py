@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The zip of `make release`: what it asks of a system, and that it renders as the local one does, in Blenders of other systems too."""
+"""The zip of `make release-addon`: what it asks of a system, and that it renders as the local one does, in Blenders of other systems too."""
 
 import os
 import re
@@ -17,7 +17,8 @@ from shade_render import channels, made
 COST = 20  # in .ci/run, which makes a release; else 0.1: skipped
 
 RELEASE = BUILD / "release/libshade-blender.zip"
-pytestmark = pytest.mark.skipif(not RELEASE.exists(), reason=f"{RELEASE} is not there: make release")
+VERSION = re.search(r'SHADE_VERSION "(.*)"', (ROOT / "libshade/include/shade/shade.h").read_text())[1]
+pytestmark = pytest.mark.skipif(not RELEASE.exists(), reason=f"{RELEASE} is not there: make release-addon")
 
 GLIBC, GLIBCXX = (2, 28), (3, 4, 21)
 SYSTEM = {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "ld-linux-x86-64.so.2"}
@@ -60,6 +61,36 @@ def test_what_it_asks_of_a_system(unpacked):
 
 def test_only_the_module_itself_is_exported(unpacked):
     assert said("nm", "-D", "--defined-only", unpacked / "_native.abi3.so").split()[2::3] == ["PyInit__native"]
+
+
+ARCHIVES = {name: RELEASE.parent / f"{name}.tar.gz" for name in
+            (f"libshade-{VERSION}-linux-x64", f"libshade-{VERSION}-linux-arm64", f"shade-render-{VERSION}-linux-x64")}
+# of Debian for arm64, which runs by qemu
+ARM64 = ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"]
+
+
+@pytest.mark.parametrize("name", ARCHIVES)
+def test_archives(name, tmp_path):
+    """Library and tools: what they ask of a system, that nothing in them knows this one, that the tool evaluates as the local one."""
+    if not ARCHIVES[name].exists():
+        pytest.skip("make release")
+    subprocess.run(["tar", "-xzf", ARCHIVES[name], "-C", tmp_path], check=True)
+    elves = [p for p in tmp_path.rglob("*") if p.is_file() and not p.is_symlink() and p.read_bytes()[:4] == b"\x7fELF"]
+    arm = name.endswith("arm64")
+    for file in elves:
+        assert set(re.findall(r"NEEDED.*\[(.*)\]", said("readelf", "-d", file))) <= MAY_NEED.get(file.name, SYSTEM) | {"ld-linux-aarch64.so.1"}
+        assert max(versions(file, "GLIBC")) <= GLIBC and str(ROOT).encode() not in file.read_bytes(), file
+        assert ("AArch64" if arm else "X86-64") in said("readelf", "-h", file)
+    tool, = (p for p in elves if p.name in ("shade", "shade-render"))
+    if arm and not (shutil.which(ARM64[0]) and os.path.exists(ARM64[2])):
+        pytest.skip("no qemu here")
+    run = [*(ARM64 if arm else []), tool]
+    assert said(*run, "--version") == (f"shade {VERSION} (neon)\n" if arm else said(BUILD / tool.name, "--version"))
+    if tool.name == "shade":
+        values = [np.array(subprocess.run([*words, "eval"], input="0 0 1 .1 .2 .97\n.1 0 .99 0 0 1\n", capture_output=True, text=True,
+                                          check=True).stdout.split(), float) for words in (run, [BUILD / "shade"])]
+        assert len(values[0]) and np.allclose(*values, rtol=1e-12)
+        assert sorted(p.name for p in tmp_path.glob("*/lib/libshade*")) == ["libshade.a", "libshade.so", f"libshade.so.{VERSION[:-2]}", f"libshade.so.{VERSION}"]
 
 
 def rendered(module, picture, prefix=(), **environment):

@@ -482,7 +482,7 @@ def test_sources_of_windows(house, programs, tmp_path):
     assert run(root / "setup/windows-sources.sh", env=environment).returncode == 2
     done = run(root / "setup/windows-sources.sh", tmp_path / "sources", env=environment)
     assert done.returncode == 0, done.stderr
-    assert re.search(r"source --only-source openexr libpng1.6 cmocka", (tmp_path / "log").read_text())
+    assert re.search(r"source --only-source openexr libpng1.6 zlib cmocka", (tmp_path / "log").read_text())
 
 
 def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
