@@ -59,17 +59,22 @@ $(W)/python/pyconfig.h: blender_addon_c/windows_pyconfig.h | $(S)/blender.packag
 $(W)/lib/libshade_openexrcore.dll: $(W)/lib/libOpenEXRCore.a
 	$(call say,link     ,$@)
 	$(Q)$(WINDOWS_CC) -shared -static -s -Wl,--no-insert-timestamp -Wl,--whole-archive $< -Wl,--no-whole-archive -lz -o $@
+# Python 3.10 of Blender 3.4 to 4.0, whose python3.dll lacks what 3.11 made part of its stable ABI: by the DLL of that version alone
+WINDOWS_310 := $(W)/python310/_native.cp310-win_amd64.pyd
 WINDOWS_ADDON := $(W)/addon/libshade
 WINDOWS_ADDON_ZIP := $(B)/release/libshade-blender-$(SHADE_VERSION)-windows-x64.zip
 .PHONY: windows-addon-built
 windows: $(WINDOWS_ADDON_ZIP)
 windows-addon-built: windows-render-built $(W)/python/pyconfig.h
 	$(Q)+$(WINDOWS_MAKE) --silent $(WINDOWS_PYTHON_OBJ)
-	@{ echo "LIBRARY python3.dll"; echo EXPORTS; x86_64-w64-mingw32-nm -u $(WINDOWS_PYTHON_OBJ) | \
-	  sed -n 's/^ *U __imp_\(_*Py.*\)/  \1/p' | LC_ALL=C sort -u; } >$(W)/lib/python3.def.part
-	@cmp -s $(W)/lib/python3.def.part $(W)/lib/python3.def || { mv $(W)/lib/python3.def.part $(W)/lib/python3.def && \
-	  x86_64-w64-mingw32-dlltool -d $(W)/lib/python3.def -l $(W)/lib/libpython3.a; }
+	@for python in python3 python310; do \
+	  { echo "LIBRARY $$python.dll"; echo EXPORTS; x86_64-w64-mingw32-nm -u $(WINDOWS_PYTHON_OBJ) | \
+	    sed -n 's/^ *U __imp_\(_*Py.*\)/  \1/p' | LC_ALL=C sort -u; } >$(W)/lib/$$python.def.part; \
+	  cmp -s $(W)/lib/$$python.def.part $(W)/lib/$$python.def || { mv $(W)/lib/$$python.def.part $(W)/lib/$$python.def && \
+	    x86_64-w64-mingw32-dlltool -d $(W)/lib/$$python.def -l $(W)/lib/lib$$python.a; } || exit 1; done
 	$(Q)+$(WINDOWS_MAKE) $(W)/blender/native/_native.pyd
+	@mkdir -p $(dir $(WINDOWS_310))
+	$(Q)+$(WINDOWS_MAKE) NATIVE_SO=$(WINDOWS_310) NATIVE_PYTHON_LIBS="-L$(W)/lib -lpython310" $(WINDOWS_310)
 $(WINDOWS_ADDON_ZIP): windows-addon-built $(W)/lib/libshade_openexrcore.dll $(BLENDER_ZIPPED) blender_addon_c/windows.mk
 	$(call say,zip      ,$@)
 	$(Q)rm -rf $(WINDOWS_ADDON) && mkdir -p $(@D) $(WINDOWS_ADDON)/lib
@@ -79,6 +84,19 @@ $(WINDOWS_ADDON_ZIP): windows-addon-built $(W)/lib/libshade_openexrcore.dll $(BL
 	$(Q)cp $(WINDOWS_RUNTIME) $(W)/lib/libshade_openexrcore.dll $(WINDOWS_ADDON)/lib
 	$(Q)sed -i 's/^platforms = .*/platforms = ["windows-x64"]/' $(WINDOWS_ADDON)/blender_manifest.toml
 	$(Q)$(PYTHON3) blender_addon_c/package.py $@ $(WINDOWS_ADDON) $$(find $(WINDOWS_ADDON) -type f)
+
+# For Blender 3.4 to 4.1, which take add-ons for all systems alike: Linux and Windows in one zip
+FLAT_ADDON := $(W)/flat/libshade
+FLAT_ZIP := $(B)/release/libshade-blender-$(SHADE_VERSION)-3.4-to-4.1.zip
+.PHONY: release-flat
+release: release-flat
+release-flat: $(FLAT_ZIP)
+$(FLAT_ZIP): $(WINDOWS_ADDON_ZIP) $(RELEASE_ZIP) blender_addon_c/windows.mk
+	$(call say,zip      ,$@)
+	$(Q)rm -rf $(FLAT_ADDON) && mkdir -p $(FLAT_ADDON)
+	$(Q)cp -r $(RELEASE_ADDON)/. $(FLAT_ADDON) && cp -r $(WINDOWS_ADDON)/. $(WINDOWS_310) $(FLAT_ADDON)
+	$(Q)sed -i 's/^platforms = .*/platforms = ["linux-x64", "windows-x64"]/' $(FLAT_ADDON)/blender_manifest.toml
+	$(Q)$(PYTHON3) blender_addon_c/package.py $@ $(FLAT_ADDON) $$(find $(FLAT_ADDON) -type f)
 
 # beside Linux's own, and scenes that Blender saves
 .PHONY: check-windows-stages

@@ -18,7 +18,7 @@ import pytest
 
 import damaged
 import own_dll
-from blender_runs import BPY, BUILD, ROOT
+from blender_runs import BPY, BUILD, ROOT, Blender, rgba
 from blender_runs import ZIP as LINUX
 from native_scenes import scene
 from shade_render import COMBINED, assert_same, channels, made, run, scene_file
@@ -32,6 +32,8 @@ ZIP = BUILD / f"release/shade-render-{VERSION}-windows-x64.zip"
 WINE = "/usr/lib/wine/wine64"
 ENVIRONMENT = {"WINEPREFIX": str(BUILD / "windows/wine"), "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml,winemenubuilder.exe="}
 ADDON = BUILD / f"release/libshade-blender-{VERSION}-windows-x64.zip"
+FLAT, RELEASE = BUILD / f"release/libshade-blender-{VERSION}-3.4-to-4.1.zip", BUILD / "release/libshade-blender.zip"
+PYTHON310 = "_native.cp310-win_amd64.pyd"
 pytestmark = pytest.mark.skipif(not (ZIP.exists() and os.path.exists(WINE)), reason="needs Wine and what make windows builds: make check-windows")
 # of Windows itself, since its version 10
 SYSTEM = re.compile(r"(kernel32|advapi32|shell32|msvcrt|api-ms-win-crt-[\w-]+)\.dll", re.I)
@@ -238,19 +240,31 @@ def test_what_the_addon_needs(addon):
     assert len(asked) > 10 and asked <= exports(addon / "lib/libshade_openexrcore.dll")
 
 
-def test_the_module_starts(addon, tmp_path, tool):
+@pytest.fixture(scope="module")
+def flat(tmp_path_factory):
+    if not FLAT.exists():
+        pytest.skip("make release")
+    folder = tmp_path_factory.mktemp("flat")
+    with zipfile.ZipFile(FLAT) as archive:
+        archive.extractall(folder)
+    return folder / "libshade"
+
+
+@pytest.mark.parametrize("where, name, python", [("addon", "_native.pyd", "python3.dll"), ("flat", PYTHON310, "python310.dll")])
+def test_the_module_starts(where, name, python, tmp_path, tool, request):
     """Without a Python, which it is given as functions that do nothing: what it says of itself comes from its own code."""
-    said = subprocess.run(["x86_64-w64-mingw32-objdump", "-p", addon / "_native.pyd"], capture_output=True, text=True, check=True).stdout
-    names = re.findall(r"\b_?Py\w+", said.split("DLL Name: python3.dll")[1].split("\n\n")[0])
+    module = request.getfixturevalue(where) / name
+    said = subprocess.run(["x86_64-w64-mingw32-objdump", "-p", module], capture_output=True, text=True, check=True).stdout
+    names = re.findall(r"\b_?Py\w+", said.split(f"DLL Name: {python}")[1].split("\n\n")[0])
     assert len(names) > 30
     through = {"PyModuleDef_Init", "PyUnicode_FromString"}
     assert through <= set(names)
     stubs = "".join(f"__declspec(dllexport) void *{name}(void *first) {{ return {'first' if name in through else '0'}; }}\n" for name in names)
     (tmp_path / "stubs.c").write_text(stubs)
-    for source, program, *flags in ((tmp_path / "stubs.c", "python3.dll", "-shared"), (ROOT / "blender_addon_c/tests/module_host.c", "host.exe")):
+    for source, program, *flags in ((tmp_path / "stubs.c", python, "-shared"), (ROOT / "blender_addon_c/tests/module_host.c", "host.exe")):
         subprocess.run(["x86_64-w64-mingw32-gcc-posix", "-O1", *flags, source, "-o", tmp_path / program], check=True)
     host = runner(tmp_path / "run", tmp_path / "host.exe")
-    told = subprocess.run([host, addon / "_native.pyd", "version", "isa"], capture_output=True, text=True, check=False, timeout=60)
+    told = subprocess.run([host, module, "version", "isa"], capture_output=True, text=True, check=False, timeout=60)
     assert told.returncode == 0, told.stdout + told.stderr
     version, isa = told.stdout.split()
     assert run("--version", tool=tool).stdout == f"shade-render {version} ({isa})\n"
@@ -269,3 +283,22 @@ def test_the_addon_is_linuxs_but_for_what_is_compiled():
         shared = [{name for name in archive.namelist() if not compiled.fullmatch(name)} for archive in (ours, linux)]
         assert shared[0] == shared[1]
         assert [name for name in shared[0] if ours.read(name) != linux.read(name)] == ["libshade/blender_manifest.toml"]
+
+
+def test_the_flat_zip(flat, tmp_path):
+    """All of both systems' zips, as they are there, and Python 3.10's module for Windows; Blender finds it valid and, the oldest, renders."""
+    of = {"libshade/blender_manifest.toml", f"libshade/{PYTHON310}"}
+    with zipfile.ZipFile(FLAT) as both, zipfile.ZipFile(ADDON) as windows, zipfile.ZipFile(RELEASE) as linux:
+        assert set(both.namelist()) == set(windows.namelist()) | set(linux.namelist()) | of
+        assert all(both.read(name) == archive.read(name) for archive in (windows, linux) for name in archive.namelist() if name not in of)
+    assert 'platforms = ["linux-x64", "windows-x64"]' in (flat / "blender_manifest.toml").read_text()
+    checker, = BPY.parents[1].glob("lib/python*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
+    subprocess.run([BPY, checker, "validate", FLAT], check=True)
+    if ALL:
+        blender = Blender("old", tmp_path / "home", FLAT)
+        (tmp_path / "scene").mkdir()
+        try:
+            blender.scene("suzanne", tmp_path / "scene", dump="", save=str(tmp_path / "file.blend"))
+        finally:
+            blender.close()
+        assert rgba(tmp_path / "scene/picture.exr")[..., :3].std() > .05
