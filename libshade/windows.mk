@@ -77,7 +77,7 @@ soak-machines: check-windows
 # there is no mingw-w64 or no Wine it says so (.ci/run fetches them)
 WINDOWS_HERE = $(and $(shell command -v $(WINDOWS_CC)),$(wildcard $(WINE)),$(wildcard $(WINDOWS_SOURCES)/done))
 .PHONY: check-door check-door-here windows-fetched
-check-door: | $(if $(SMOKE),windows-fetched)
+check-door: | $(if $(SMOKE),windows-fetched release-fetched)
 	@$(MAKE) --no-print-directory NEEDS= check-door-here
 ifneq ($(WINDOWS_HERE),)
 check-door-here: $(W)/door.exe
