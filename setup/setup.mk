@@ -50,7 +50,8 @@ NEEDS_windows := build blender windows
 NEEDS_macos := build blender release macos
 NEEDS_check-windows := build blender windows test
 NEEDS_check-arm64 := build blender windows arm64 test
-NEEDS_soak-machines := $(NEEDS_check-windows) arm64
+NEEDS_check-macos := $(NEEDS_macos) test
+NEEDS_soak-machines := $(NEEDS_check-windows) $(NEEDS_macos) arm64
 NEEDS_fuzz := build blender test
 # what make must find when it starts; the rest is fetched and unpacked while these are compiled
 NEEDS_check := build blender
