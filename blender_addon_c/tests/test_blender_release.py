@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from blender_runs import BPY, BUILD, NAMESPACE, ROOT, Blender, Missing, rgba
-from shade_render import channels, made
+from native_scenes import scene
+from shade_render import COMBINED, channels, made, scene_file
 
 COST = 20  # in .ci/run, which makes a release; else 0.1: skipped
 
@@ -71,7 +72,7 @@ ARM64 = ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"]
 
 @pytest.mark.parametrize("name", ARCHIVES)
 def test_archives(name, tmp_path):
-    """Library and tools: what they ask of a system, that nothing in them knows this one, that the tool evaluates as the local one."""
+    """Library and tools: what they ask of a system, that nothing in them knows this one, that the tools do as the local ones, with libraries of their own."""
     if not ARCHIVES[name].exists():
         pytest.skip("make release")
     subprocess.run(["tar", "-xzf", ARCHIVES[name], "-C", tmp_path], check=True)
@@ -91,6 +92,18 @@ def test_archives(name, tmp_path):
                                           check=True).stdout.split(), float) for words in (run, [BUILD / "shade"])]
         assert len(values[0]) and np.allclose(*values, rtol=1e-12)
         assert sorted(p.name for p in tmp_path.glob("*/lib/libshade*")) == ["libshade.a", "libshade.so", f"libshade.so.{VERSION[:-2]}", f"libshade.so.{VERSION}"]
+    else:
+        scene_file.write(tmp_path / "one.shscene", "L", [(scene(width=64, height=48, samples=4), [COMBINED])])
+        pictures = []
+        for program in (tool, BUILD / "shade-render"):
+            done = subprocess.run([program, tmp_path / "one.shscene", "-o", tmp_path / "one.exr"], capture_output=True, text=True, check=True,
+                                  env=os.environ | {"LD_DEBUG": "files"})
+            of = channels(tmp_path / "one.exr")
+            pictures.append(np.stack([of[name] for name in sorted(of)], -1))
+            if program == tool:
+                assert {f"{tool.parent}/lib/libshade_{own}.so" for own in ("embree", "tbb")} <= set(re.findall(r"calling init: (\S+)", done.stderr))
+        assert pictures[1][..., 1:].std() > .01
+        assert_same(*pictures)
 
 
 def rendered(module, picture, prefix=(), **environment):
