@@ -37,6 +37,20 @@ double shade_port_seconds(void) {
 
 #endif
 
+int shade_port_thread(pthread_t *thread, void *(*run)(void *), void *argument) {
+#ifdef __APPLE__
+  enum { STACK = 8 << 20 };
+  pthread_attr_t large;
+  pthread_attr_init(&large);
+  pthread_attr_setstacksize(&large, STACK);
+  const int wrong = pthread_create(thread, &large, run, argument);
+  pthread_attr_destroy(&large);
+  return wrong;
+#else
+  return pthread_create(thread, NULL, run, argument);
+#endif
+}
+
 /* winpthreads has this clock, too */
 void shade_port_wait(pthread_cond_t *changed, pthread_mutex_t *lock, double seconds) {
   enum { SECOND = 1000000000 };

@@ -8,6 +8,9 @@
 /* Processors that are online, at least 1. */
 int shade_port_processors(void);
 
+/* pthread_create, with a stack of more than a megabyte: macOS itself gives half of one. */
+int shade_port_thread(pthread_t *thread, void *(*run)(void *), void *argument);
+
 /* Seconds since some moment, by a clock that nobody sets. */
 double shade_port_seconds(void);
 

@@ -252,12 +252,31 @@ static void this_process(void **state) {
   shade_port_aligned_free(NULL);
 }
 
+enum { ROOM = 1 << 20 };
+static void *fill(void *sum) {
+  volatile unsigned char room[ROOM];
+  for (size_t k = 0; k < ROOM; k += 1024)
+    room[k] = (unsigned char)(k >> 10 & 1);
+  for (size_t k = 0; k < ROOM; k += 1024)
+    *(int *)sum += room[k];
+  return NULL;
+}
+
+static void threads_have_room(void **state) {
+  (void)state;
+  pthread_t thread;
+  int sum = 0;
+  assert_int_equal(shade_port_thread(&thread, fill, &sum), 0);
+  assert_int_equal(pthread_join(thread, NULL), 0);
+  assert_int_equal(sum, ROOM / 2048);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(names_of_any_script),    cmocka_unit_test(names_of_any_length),
       cmocka_unit_test(what_stands_in_the_way), cmocka_unit_test(lines_of_any_length),
       cmocka_unit_test(files_as_memory),        cmocka_unit_test(threads_and_time),
-      cmocka_unit_test(this_process),
+      cmocka_unit_test(this_process),           cmocka_unit_test(threads_have_room),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

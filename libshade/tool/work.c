@@ -104,7 +104,7 @@ void tool_share(int threads, size_t steps, tool_step *step, void *context, tool_
   int started = 1; /* this one; where no other starts it does all */
   for (int i = 0; i < threads; i++)
     sharers[i] = (sharer){&s, i};
-  while (started < threads && pthread_create(&handles[started], NULL, take, &sharers[started]) == 0)
+  while (started < threads && shade_port_thread(&handles[started], take, &sharers[started]) == 0)
     started++;
   take(&sharers[0]);
   for (int i = 1; i < started; i++)
@@ -195,7 +195,7 @@ static int run(ring *r, shade_image_writer **writers, const char *title, int thr
                size_t size) {
   pthread_t handles[TOOL_MAX_THREADS];
   int started = 0;
-  while (started < threads && pthread_create(&handles[started], NULL, work, r) == 0)
+  while (started < threads && shade_port_thread(&handles[started], work, r) == 0)
     started++;
   int status = TOOL_BAD_INPUT;
   if (started == 0)

@@ -7,6 +7,7 @@
 #include "render/build.h"
 #include "render/denoise.h"
 #include "render/dump_scene.h"
+#include "port/threads.h"
 #include "system/memory.h"
 #include "system/parallel.h"
 
@@ -166,7 +167,7 @@ job *job_start_filled(scene *s, job_fill *fill, void *context) {
       !render_prepare(&j->render) ||
       (s->adaptive_threshold > 0.0f &&
        !adaptive_init(&j->render.adaptive, j->render.tiles, pixels)) ||
-      pthread_create(&j->thread, NULL, controller, j) != 0) {
+      shade_port_thread(&j->thread, controller, j) != 0) {
     release(j);
     return NULL;
   }

@@ -47,7 +47,7 @@ void parallel_for(int threads, size_t count, void (*work)(void *context, size_t 
   task t = {.work = work, .context = context, .count = count};
   atomic_init(&t.next, 0);
   while (helpers + 1 < (size_t)threads && helpers + 1 < count && helpers < MAX_THREADS &&
-         pthread_create(&helper[helpers], NULL, run, &t) == 0)
+         shade_port_thread(&helper[helpers], run, &t) == 0)
     helpers++;
   run(&t);
   while (helpers)
