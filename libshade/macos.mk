@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # `make macos`: libshade and shade for macOS 13 and later, on arm64 and on x86-64, as the zig of `make release` compiles and
-# signs them (without a name: ad hoc): build/release/libshade-VERSION-macos-arm64.tar.gz and -macos-x64.tar.gz.
+# on arm64 signs them (without a name: ad hoc): build/release/libshade-VERSION-macos-arm64.tar.gz and -macos-x64.tar.gz.
 # The renderer's part is in blender_addon_c/macos.mk. Nothing here can run what it makes: tests read it.
 MACHINES := arm64 x64
 # the one of them that a make is for: make macos-one MACOS=x64
