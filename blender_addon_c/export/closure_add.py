@@ -55,7 +55,7 @@ def add(reader, closure, weight, normal=None, color=None):
         closure = {**closure, "weight": weight}
     if reader.colors and color:
         closure = {**closure, "pass_color": tuple(color)}
-    if normal and closure.get("horizon", "").lower() == "mutual" and reader.program.reads(normal, _DRAWN):
+    if normal and _is_mutual(closure) and reader.program.reads(normal, _DRAWN):
         closure = {**closure, "moment_from": tuple(reader.program.emit("RELIEF"))}
     reader.closures.append({**closure, "normal": normal} if normal else closure)
 
@@ -79,9 +79,14 @@ NARROW = 0.02  # alpha: 2.5 steps of 8 bits; the plate of docs/results is .03 of
 
 def _is_even(closure):
     """A lobe that stays as it is where bumps finer than a sample widen it: about a Gaussian of slopes. GGX's tails
-    would grow with it, to a half too much light beside highlights."""
-    return (closure["closure"] == "METAL" and any(closure["f0"]) and
+    would grow with it, to a half too much light beside highlights; where bumps shade each other a lobe of theirs would
+    shade itself once more."""
+    return (closure["closure"] == "METAL" and any(closure["f0"]) and not _is_mutual(closure) and
             closure["mdf"].lower() in ("ashikhmin_shirley", "beckmann", "ward", "ward_half"))
+
+
+def _is_mutual(closure):
+    return closure.get("horizon", "").lower() == "mutual"
 
 
 def _colored(reader, closure, weight):
@@ -110,7 +115,7 @@ def _valid(reader, closure, normal, stock):
     image is not below the surface, but from some version on not of what is matt. Libshade Metal keeps its own."""
     kind, below = closure["closure"], reader.below.get(normal[0], normal)
     if kind == "METAL":
-        if not stock or closure.get("horizon") == "mutual":
+        if not stock or _is_mutual(closure):
             return normal
         closure["horizon"] = "hard"
         return turned(reader, normal)
