@@ -244,7 +244,7 @@ const Material *Scene::add(const Material &material) {
   prepare(*kept);
   materials.push_back(kept);
   reflecting = reflecting || kept->reflects;
-  by_width = by_width || kept->cloth || kept->scratches || (kept->bump && kept->filtered);
+  by_width = by_width || kept->cloth || kept->spreads_bumps();
   return kept.get();
 }
 
@@ -352,7 +352,7 @@ bool Scene::has_scratches() const {
 
 bool Scene::has_bumps() const {
   for (size_t i = 0; i < materials.size(); i++)
-    if ((materials[i]->bump && materials[i]->filtered) || materials[i]->scratches)
+    if (materials[i]->spreads_bumps())
       return true;
   return false;
 }
@@ -366,7 +366,7 @@ std::string Scene::json(const std::string &renderer) const {
     const Material &of = *materials[i];
     if (of.cloth)
       cloths[i] = of.cloth->json(of.id, of.name.c_str());
-    const bool bumps = (of.bump && of.filtered) || of.scratches;
+    const bool bumps = of.spreads_bumps();
     if (bumps) { // where bumps widen a lobe its grooves stay where they were
       static const double none[3] = {0.0, 0.0, 0.0};
       double angle;

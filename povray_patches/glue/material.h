@@ -101,6 +101,11 @@ struct Material {
   bool wants_slopes() const {
     return !cloth && !told_slopes && params.horizon == SHADE_HORIZON_MUTUAL;
   }
+  // Whether what is smaller than a pixel is roughness. Of bumps that shade each other it would
+  // shade itself once more: points are looked at.
+  bool spreads_bumps() const {
+    return ((bump && filtered) || scratches) && params.horizon != SHADE_HORIZON_MUTUAL;
+  }
   bool by_axis() const { return tangent == TANGENT_AXIS || tangent == TANGENT_RADIAL; }
   bool has_pigment() const {
     return cloth ? cloth->pigment[0] || cloth->pigment[1] : specular_pigment || kd_pigment;

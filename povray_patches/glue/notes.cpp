@@ -87,7 +87,9 @@ void metal(const mdf::Material &m, std::ostream &text) {
     text << "along u of each object\n";
   if (m.bump)
     text << "  bumps: an image of " << m.bump->width() << " x " << m.bump->height() << ", strength "
-         << m.strength << (m.filtered ? "; below a pixel they are roughness" : ", unfiltered")
+         << m.strength
+         << (m.filtered && m.spreads_bumps() ? "; below a pixel they are roughness"
+                                             : ", unfiltered")
          << (m.bump_once ? ", once\n" : "\n");
   if (p.horizon == SHADE_HORIZON_MUTUAL && m.told_slopes)
     text << Mdf_Slopes_Note(m);

@@ -118,7 +118,7 @@ void ShadingFrame::perturb_normal(double width) {
   const bool front =
       !bumped || (dot(outside, N) > 0.0) != (Test_Flag(isect.Object, INVERTED_FLAG) != 0);
   double footprint[4];
-  uv_footprint(du, dv, V, width, footprint);
+  uv_footprint(du, dv, V, material.spreads_bumps() ? width : 0.0, footprint);
   if (!map_frame(N, front, du, dv, map_x, map_y))
     return;
   if (bumped)
