@@ -200,6 +200,7 @@ _GRAINS = (
 _RESPONSES = (("FOLLOW", "Follow", "Strokes and reflections go with the bumps of Normal"),
               ("IGNORE", "Ignore", "The metal reflects as if nothing were linked to Normal"))
 STROKE_WIDTH, NEW_GRAIN = 60.0, "AXIS_Y"
+NEW_HORIZON = "MUTUAL"  # not the library's default, which no slopes are known to
 _WIDTHS = (("ROUGHNESS", "Roughness", "Roughness and anisotropy, as on the sockets"),
            ("ALPHA", "Alpha", "Alphas along the strokes' tangent and across it"),
            ("EXPONENTS", "Exponents", "Exponents along the strokes' tangent and across it"))
@@ -301,6 +302,7 @@ class LibshadeMetalNode(bpy.types.ShaderNodeCustomGroup):
         for name, attribute in _choices():
             if _initial_choice(name) != _first_choice(name):  # kept in the file: older ones have nothing there
                 setattr(self, attribute, _initial_choice(name).upper())
+        self.horizon = NEW_HORIZON
         self.strokes, self.grain, self.is_new = 1.0, NEW_GRAIN, True  # on what has no UV map, too
         _setting_all = False
         for axis in _UV_AXES:
@@ -458,7 +460,8 @@ def apply_preset(node, preset):
     _setting_all = True
     try:
         for name, attribute in _choices():
-            setattr(node, attribute, values[name].upper())
+            if name != "horizon":  # no metal's own
+                setattr(node, attribute, values[name].upper())
         for parameter in _parameters():
             setattr(node, parameter["word"], values[parameter["word"]])
     finally:

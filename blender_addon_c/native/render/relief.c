@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "closure/closure.h"
+#include "node/hash.h"
 #include "node/node.h"
 #include "render/hits.h"
 
@@ -18,7 +19,7 @@ static bool is_mutual(const closure *c) {
 }
 
 static bool wants_slopes(const closure *c) {
-  return is_mutual(c) && !c->of.metal.told;
+  return is_mutual(c) && !c->of.metal.told && c->of.metal.normal[0] != REGISTER_NORMAL;
 }
 
 typedef struct point {
@@ -45,9 +46,19 @@ static double length(const double v[3]) {
   return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* Adds up the areas of a material's triangles; where there is room, puts down `count` points that
- * lie as densely on all of it. Returns the sum. */
+/* A number of a triangle's own, by its vertices: Blender 5 may give triangles in another order each
+ * time, and what is found of the same mesh has to be the same. */
+static uint32_t number_of(const mesh *m, size_t t, uint32_t instance) {
+  uint32_t sum = 0;
+  for (size_t k = 0; k < 3; k++)
+    sum += jenkins(1, (uint32_t)m->corner_position[3 * t + k], 0, 0, 0);
+  return jenkins(2, sum, instance, 0, 0);
+}
+
+/* Adds up the areas of a material's triangles; where there is room, puts down up to `count` points
+ * that lie as densely on all of it. Returns the sum. */
 static double walk(const scene *s, int32_t material, double area, size_t count, point *points) {
+  const double wanted = (double)count - 4 * sqrt((double)count); /* chance adds some */
   double sum = 0;
   size_t made = 0;
   for (const instance *in = s->instance; in < s->instance + s->instances; in++) {
@@ -57,10 +68,16 @@ static double walk(const scene *s, int32_t material, double area, size_t count, 
         continue;
       const double own = length(point_of(in, m, t, 0, 0).n);
       sum += own < 1e30 ? own : 0;
-      for (; points && made < count && ((double)made + 0.5) * area < sum * (double)count; made++) {
+      if (!points || !(own < 1e30))
+        continue;
+      const uint32_t number = number_of(m, t, (uint32_t)(in - s->instance));
+      const double first[2] = {(double)closed_unit(jenkins(1, number, 0, 0, 0)),
+                               (double)closed_unit(jenkins(2, number, 0, 0, 0))};
+      const size_t end = made + (size_t)(own / area * wanted + (double)closed_unit(number));
+      for (size_t k = 1; made < count && made < end; k++, made++) {
         /* multiples of the plastic number's powers lie evenly in a square, which is folded */
-        double u = (double)(made + 1) * 0.7548776662466927,
-               v = (double)(made + 1) * 0.5698402909980532;
+        double u = first[0] + (double)k * 0.7548776662466927,
+               v = first[1] + (double)k * 0.5698402909980532;
         u -= floor(u);
         v -= floor(v);
         points[made] = u + v > 1 ? point_of(in, m, t, 1 - u, 1 - v) : point_of(in, m, t, u, v);

@@ -25,7 +25,7 @@ def test_sockets(node):
     assert [s.name for s in node.outputs] == ["BSDF"]
     assert node.detail == "ROTATE" and node.distribution == "ASHIKHMIN_SHIRLEY"
     assert node.brdf == "AUTO"
-    assert node.groove == "AUTO" and node.fresnel == "SCHLICK" and node.horizon == "VALID_ESTEVEZ"
+    assert node.groove == "AUTO" and node.fresnel == "SCHLICK" and node.horizon == "MUTUAL"
     assert near(node.ex, 200) and near(node.ey, 10)
     # a slider from 0 to 1 turn, as Cycles' own; numbers beyond are turns all the same
     turns, theirs = (n.inputs["Rotation"] for n in (node, node.node_tree.nodes["Anisotropic BSDF"]))

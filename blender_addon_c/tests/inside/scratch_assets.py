@@ -43,6 +43,10 @@ def scratches_in(material):
     return next(n for n in material.node_tree.nodes if n.bl_idname == "LibshadeScratchesNode")
 
 
+def metal_in(material):
+    return next(n for n in material.node_tree.nodes if n.bl_idname == "LibshadeMetalNode")
+
+
 def images_in(tree):
     return [n.image for n in tree.nodes if n.bl_idname == "ShaderNodeTexImage"]
 
@@ -86,7 +90,9 @@ def pictures(folder):
     for engine in ("LIBSHADE", "CYCLES"):
         for name, file in SHOWN.items():
             scene_of(engine)
-            common.plane(appended(file, name), 1.0)
+            material = appended(file, name)
+            metal_in(material).horizon = "VALID_ESTEVEZ"  # Cycles' bumps do not shade each other
+            common.plane(material, 1.0)
             common.render(os.path.join(folder, f"{name}_{engine.lower()}.exr"))
         scene_of(engine)
         common.plane(glossy_of(appended("scratches", "Deep Scratches", "node_groups")), 1.0)
