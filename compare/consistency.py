@@ -34,6 +34,7 @@ BEYOND = {"largest": "beyond_rounding", "mean": "mean_beyond_rounding"}
 # What counts as equal, and how many of the pixels that both cover must be.
 DUMP_LIMITS = {
     "material": (1e-6, "of its parameters"),
+    "slopes": (0.1, "of their spread"),  # each renderer looks at points of its own
     "P": (1e-4, "of the size"),
     "uv": (1e-4, "of the map"),
     "N": (0.1, "degrees"),

@@ -101,8 +101,13 @@ def swap_handedness(dump):
         turned[cloth, 0] *= -1
         return turned
 
+    def mirrored(m):
+        """Slopes along T and N x T, which is the other way in the other world."""
+        x, y, xx, xy, yy = m["slopes"]
+        return {**m, "slopes": [x, -y, xx, -xy, yy]}
+
     return Dump(
-        header=dump.header,
+        header={**dump.header, "materials": [mirrored(m) if "slopes" in m else m for m in dump.header.get("materials", [])]},
         material=dump.material,
         P=swap(dump.P),
         uv=dump.uv,
@@ -142,16 +147,32 @@ def apart(a, b):
 
 def material_difference(a, b):
     """Of every pixel that both dumps cover: how far apart the parameters of its two materials are.
-    Renderers number and name materials in their own way, so neither counts; nor does f0 where nothing reads it."""
+    Renderers number and name materials in their own way, so neither counts; nor does f0 where nothing reads it, nor
+    slopes, which each looks for."""
     def said(m):
         read = m.get("fresnel") != "conductor" or m.get("diffuse") == "ashikhmin_shirley" and any(m.get("kd", ()))
-        return {k: v for k, v in m.items() if k not in ("id", "name") and (read or k != "f0")}
+        return {k: v for k, v in m.items() if k not in ("id", "name", "slopes") and (read or k != "f0")}
 
+    return _by_pair(a, b, said, apart)
+
+
+def slopes_difference(a, b):
+    """Likewise of the slopes of bumps, where either says some: of their second moments over the larger one's trace, and of their
+    means over its root."""
+    def off(one, other):
+        found = np.array([slopes if slopes else [0.0] * 5 for slopes in (one, other)])
+        square = max(found[:, 2] + found[:, 4])
+        return max(np.abs(found[0] - found[1])[2:].max() / square, np.abs(found[0] - found[1])[:2].max() / square**0.5) if square > 0 else 0.0
+
+    return _by_pair(a, b, lambda m: m.get("slopes"), off)
+
+
+def _by_pair(a, b, said, off):
     known = [{m["id"]: said(m) for m in dump.header.get("materials", [])} for dump in (a, b)]
     both = a.covered & b.covered
     pairs, which = np.unique(np.stack([a.material[both], b.material[both]], 1), axis=0,
                              return_inverse=True)
-    return np.array([apart(known[0].get(i), known[1].get(j)) for i, j in pairs])[which.ravel()]
+    return np.array([off(known[0].get(i), known[1].get(j)) for i, j in pairs])[which.ravel()]
 
 
 def coverage_difference(a, b):
@@ -174,8 +195,8 @@ def pixels_of(a, b, name):
 
 
 def deviations(a, b):
-    """Where both dumps hit: {name: error per pixel}. Parameters of the material, relative; P
-    relative to the scene's size; directions in degrees; of each light E, the worst of its channels
+    """Where both dumps hit: {name: error per pixel}. Parameters of the material, relative; slopes, where there are
+    some; P relative to the scene's size; directions in degrees; of each light E, the worst of its channels
     relative to the larger, and L, where both dumps are lit, in degrees (in shadow it may be
     anything)."""
     if a.material.shape != b.material.shape or len(a.lights) != len(b.lights):
@@ -186,6 +207,8 @@ def deviations(a, b):
     result = {"material": material_difference(a, b),
               "P": np.linalg.norm(a.P[both] - b.P[both], axis=-1) / max(size(a), 1e-30),
               "uv": np.abs(a.uv[both] - b.uv[both]).max(axis=-1)}
+    if any("slopes" in m for dump in (a, b) for m in dump.header.get("materials", [])):
+        result["slopes"] = slopes_difference(a, b)
     for name in DIRECTIONS:
         result[name] = angles(getattr(a, name)[both], getattr(b, name)[both])
     for k, (la, lb) in enumerate(zip(a.lights, b.lights)):

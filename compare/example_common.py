@@ -54,7 +54,7 @@ def unlink(tree, socket):
 def even_metal(tree):
     """A new node of ours, without the strokes that artists see first."""
     made = tree.nodes.new(METAL)
-    made.strokes, made.grain, made.is_new = 0.0, "UV", False
+    made.strokes, made.grain, made.is_new, made.horizon = 0.0, "UV", False, "VALID_ESTEVEZ"
     return made
 
 
@@ -97,6 +97,9 @@ def bumps(material, node, left):
     if source and source.bl_idname != "ShaderNodeNormalMap":
         unlink(material.node_tree, node.inputs["Normal"])
         left.say(f"{source.bl_label} nodes, which no block of POV-Ray's has", material.name)
+    elif source and node.horizon == "MUTUAL":
+        node.horizon = "VALID_ESTEVEZ"
+        left.say("how bumps shade each other, by slopes that each renderer finds by itself", material.name)
 
 
 def anisotropic(material, node, left):

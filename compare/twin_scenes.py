@@ -36,8 +36,8 @@ def shader(name, kind):
     tree.nodes.clear()
     output, node = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new(kind)
     tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
-    if kind == "LibshadeMetalNode":  # without the strokes of a new one
-        node.strokes, node.grain, node.is_new = 0.0, "UV", False
+    if kind == "LibshadeMetalNode":  # as a block of POV-Ray's, without the strokes of a new one
+        node.strokes, node.grain, node.is_new, node.horizon = 0.0, "UV", False, "VALID_ESTEVEZ"
     return made, node
 
 

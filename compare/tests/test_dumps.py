@@ -204,3 +204,18 @@ def test_a_light_without_blue_reaches_what_it_reaches(tmp_path, channels):
     assert good
     rows, good = compare(tmp_path, channels, lambda c: turn(c, f"light{number}.L", 2.0))
     assert not good and rows[f"light{number}.L"][3] == "MISSED"
+
+
+@pytest.mark.parametrize("other, off", [(None, 0.6), ([0.0] * 5, 0.6), ([0.1, -0.2, 0.3, -0.05, 0.2], 0.0), ([0.1, -0.2, 0.3, 0.05, 0.2], 0.2),
+                                        ([0.1, -0.2, 0.3, -0.05, 0.23], 0.03 / 0.53), ([0.1, 0.2, 0.3, -0.05, 0.2], 0.4 / 0.5**0.5)])
+def test_slopes_of_bumps_are_compared_by_their_spread(tmp_path, channels, other, off):
+    """What the other world's dump says of them is along the frame of a mirror; the rest of a material is compared without."""
+    ours, theirs = load(tmp_path / "a.exr", channels), load(tmp_path / "b.exr", channels)
+    ids = np.unique(ours.material)
+    ours.header["materials"] = [{"id": int(k), "slopes": [0.1, 0.2, 0.3, 0.05, 0.2]} for k in ids]
+    theirs.header["materials"] = [{"id": int(k), **({"slopes": other} if other else {})} for k in ids]
+    found = dumps.deviations(ours, dumps.swap_handedness(theirs))
+    assert found["slopes"] == pytest.approx(off) and (found["material"] == 0).all()
+    rows, _ = consistency.dump_rows(ours, dumps.swap_handedness(theirs))
+    assert [row[3] for row in rows if row[0] == "slopes equal within 0.1 of their spread"] == ["ok" if off < 0.1 else "MISSED"]
+    assert not [row for row in consistency.dump_rows(*[load(tmp_path / "a.exr", channels)] * 2)[0] if row[0].startswith("slopes")]
