@@ -34,11 +34,13 @@ def keep_failure(scene, text, details=""):
 
 
 def keep_slopes(scene, found, materials):
-    """found: what the native module says of these materials, as it got them, once it has looked at their bumps."""
+    """found: what the native module says of these materials, as it got them, once it has looked at their bumps. What
+    has none is not told."""
     lines = []
     for number, *slopes in found:
-        said = ", ".join(f"{slopes[k] ** 0.5:.2g}" for k in (2, 4)) if slopes[2] + slopes[4] > 0 else ""
-        lines.append(f"{materials[number].get('name') or 'A material'}: " + (f"slopes {said}" if said else "no bumps"))
+        if slopes[2] + slopes[4] > 0:
+            said = ", ".join(f"{slopes[k] ** 0.5:.2g}" for k in (2, 4))
+            lines.append(f"{materials[number].get('name') or 'A material'}: slopes {said}")
     _slopes[scene.name] = "\n".join(lines)
 
 

@@ -551,8 +551,8 @@ def test_errors_are_told_and_the_result_ends():
     report.keep(scene, SimpleNamespace(errors=(), warnings=("new",)))
     assert report.told(scene) == [("new", False)] and not report.told(bpy.data.scenes.new("another"))
     report.keep_slopes(scene, [(1, 0, 0, .27, .1, .2304), (0, .1, 0, 0, 0, 0)], [{"name": ""}, {"name": "steel"}])
-    assert scene.libshade.bump_slopes == "steel: slopes 0.52, 0.48\nA material: no bumps"
-    assert report.whole(scene).splitlines()[2:] == ["Note: steel: slopes 0.52, 0.48", "Note: A material: no bumps"]
+    assert scene.libshade.bump_slopes == "steel: slopes 0.52, 0.48"
+    assert report.whole(scene).splitlines()[2:] == ["Note: steel: slopes 0.52, 0.48"]
     report.keep_slopes(scene, [], [])
     assert scene.libshade.bump_slopes == ""
 

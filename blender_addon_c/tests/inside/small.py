@@ -622,13 +622,13 @@ def test_what_the_report_shows():
             assert len(drawn) == 3 + lines + 3 and all(icon == "NONE" and red for _line, icon, red in drawn[3:3 + lines]), (width, scale, drawn)
             assert drawn[-3:] == [("Scene", "ERROR", False), ("the scene is odd", "NONE", False), ("libshade.copy_report", "COPYDOWN", None)]
         assert report.of_node(steel.node_tree.nodes["Bump"]) == [texts[0][0].removeprefix("material 'steel': ")]
-        report.keep_slopes(scene, [(0, 0, 0, 0.04, 0, 0.0009), (1, 0, 0, 0, 0, 0)], [{"name": "steel"}, {}])
-        assert report.slopes(scene) == "steel: slopes 0.2, 0.03\nA material: no bumps"
+        report.keep_slopes(scene, [(0, 0, 0, 0.04, 0, 0.0009), (1, 0, 0, 0, 0, 0.01), (0, 0, 0, 0, 0, 0)], [{"name": "steel"}, {}])
+        assert report.slopes(scene) == "steel: slopes 0.2, 0.03\nA material: slopes 0, 0.1"
         report.keep_failure(scene, "broken", "where it was")
         assert report.told(scene) == [("broken", True), *texts]
         first, *rest = report.whole(scene).splitlines()
         assert first.startswith("libshade ") and f", Blender {bpy.app.version_string}, " in first
-        assert rest == ["Error: broken", f"Error: {texts[0][0]}", "Warning: the scene is odd", "Note: steel: slopes 0.2, 0.03", "Note: A material: no bumps", "where it was"]
+        assert rest == ["Error: broken", f"Error: {texts[0][0]}", "Warning: the scene is odd", "Note: steel: slopes 0.2, 0.03", "Note: A material: slopes 0, 0.1", "where it was"]
     finally:
         report._forget()
     assert not report.told(scene) and report.slopes(scene) == "" and len(report.whole(scene).splitlines()) == 1
