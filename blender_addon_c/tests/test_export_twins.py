@@ -25,13 +25,14 @@ def mesh(name, offsets=((0, 1, 7), (0, 7, 6)), positions=GRID):
 
 
 TWICE = np.tile(mesh("b")["corner_position"], 2)
+ONE, SOME = (mesh("b") | {"corner_position": np.append(TWICE[:len(TWICE) // 2], TWICE[:3 * count])} for count in (1, 2))  # a 25th of its faces, a 13th
 
 
 @pytest.mark.parametrize("meshes, places, said", [
     ([mesh("a")], [HERE], None), ([mesh("a")], [HERE, HERE], "a: "), ([mesh("a")], [HERE, ASIDE], None),
     ([mesh("a"), mesh("b", ((0, 7, 6), (1, 7, 0)))], [HERE, HERE], "(and 1 more)"),
     ([mesh("a"), mesh("b", ((0, 1, 6), (1, 7, 6)))], [HERE, HERE], "(and 1 more): they fill one box"),  # other diagonals
-    ([mesh("b") | {"corner_position": TWICE}], [HERE], "b: "),
+    ([mesh("b") | {"corner_position": TWICE}], [HERE], "b: "), ([ONE], [HERE], None), ([SOME], [HERE], "b: "),
     ([mesh("a", positions=GRID * np.float32("nan"))], [HERE, HERE], None), ([mesh("a")], [], None),
     ([mesh("a", positions=0 * GRID)], [HERE, HERE], None)])
 def test_twins(meshes, places, said):

@@ -626,6 +626,17 @@ def test_what_a_camera_sees_around_it():
                                    "camera 'eye': Spherical Stereo is not supported; its eyes stand still"]
 
 
+def test_the_focus_is_as_far_as_its_plane():
+    """Along the view, not to the object itself, which may be aside or behind."""
+    scene = common.empty_scene()
+    eye, thing = common.camera(scene, (1, 2, 3)), common.link(scene, "thing", None)
+    for place, far in (((4, 2, -1), 4), ((1, 2, 1), 2), ((9, -7, 8), 5)):
+        thing.location = place
+        bpy.context.view_layer.update()
+        dof = Of(focus_object=thing, focus_subtarget="", focus_distance=9.0)
+        assert close(module("export.camera")._focus_distance(eye, dof, bpy.context.evaluated_depsgraph_get()), far), place
+
+
 def test_numbers_of_images():
     """By hand: colours times alpha and back, tiles of other sizes, frames of sequences, how steep a normal map is."""
     image, bytes_, half = module("export.image"), np.uint8, 0.5
