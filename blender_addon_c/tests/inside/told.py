@@ -702,6 +702,18 @@ def test_where_links_lead_by_a_choice():
         assert [tree.is_item(Of(node=menu, groups=(), output=Of(name=name))) for name in "AB"] == [0, 1]
 
 
+def test_every_node_of_an_aov_counts():
+    """Wherever in the tree, in groups as well; none of a group that is mute."""
+    known = module("export.known")
+
+    def aov(name):
+        return Of(type="OUTPUT_AOV", mute=False, name=name)
+    inner = Of(type="GROUP", mute=False, node_tree=Of(nodes=[Of(type="RGB"), aov("inner")]))
+    mute, empty = Of(type="GROUP", mute=True, node_tree=Of(nodes=[aov("mute")])), Of(type="GROUP", mute=False, node_tree=None)
+    found = list(known._aovs(Of(nodes=[Of(type="RGB"), aov("first"), mute, inner, empty, Of(type="RGB"), aov("last")]), ()))
+    assert [(node.name, groups) for node, groups in found] == [("first", ()), ("inner", (inner,)), ("last", ())]
+
+
 def test_what_an_update_makes_old():
     """A mesh whose geometry changed is read again, and an image that changed; what else changed leaves both."""
     kept, image, other = module("export.kept").Kept(), bpy.data.images.new("changed", 2, 2), bpy.data.images.new("still", 2, 2)
