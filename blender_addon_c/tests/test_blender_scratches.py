@@ -77,7 +77,7 @@ def test_a_lit_plate_as_in_cycles(blender, tmp_path, case, limit):
 
 
 def test_assets_in_cycles(blender, tmp_path):
-    """Scratched assets as they come out of the library: in Cycles at once what our engine shows, which polished metal is not; saved,
+    """Scratched assets as they come out of the library, but for bumps that shade each other: in Cycles at once what our engine shows, which polished metal is not; saved,
     linked, baked again, undone, and their groups without the add-on."""
     assert "all asserted" in blender.inside("scratch_assets.py", tmp_path)
     # noise of 32 samples .015 to .02; polished, as they were: .067, .65, .033, .061, .137

@@ -121,6 +121,24 @@ def test_slopes_of_bumps_that_shade_each_other_are_found(tmp_path):
     native.free(job)
 
 
+def test_slopes_of_bumps_do_not_depend_on_the_order_of_triangles():
+    """Which Blender 5 may change from one evaluation to the next; of few and of more than points are looked at."""
+    for side in (2, 80):
+        x, y = (each.ravel() for each in np.meshgrid(np.linspace(0, 1, side), np.linspace(0, 1, side)))
+        corner = np.arange(side * side).reshape(side, side)
+        a, b, c, d = (part.ravel() for part in (corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1]))
+        triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+        found = []
+        for order in (triangles, triangles[::-1], np.random.default_rng(1).permutation(triangles)):
+            job = native.start(scene(images=[waves(1.2)], materials=[material(normal_image=0, horizon="mutual")],
+                                     meshes=[mesh(np.stack([2 * x - 1, 2 * y - 1, 0 * x], 1), order, uvs=np.stack([x, y], 1))]))
+            assert finish(job)["state"] == "done"
+            found.append(native.slopes(job)[0][1:])
+            native.free(job)
+        np.testing.assert_allclose(found, [found[0]] * 3, rtol=0, atol=1e-6)
+        np.testing.assert_allclose(found[0], [0, 0.1, 0.36, 0, 0.36], atol=0.03)
+
+
 def half_flat(slope, size=256):
     """Waves on the left half, of 32 texels, and a flat right half."""
     x, y = (2 * np.pi * (each + 0.5) / 32 for each in np.meshgrid(np.arange(size), np.arange(size)))

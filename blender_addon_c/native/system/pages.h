@@ -7,8 +7,7 @@
 #include <stddef.h>
 
 /* NULL where a block is too small for that, or there is no file for it: TMPDIR's (/tmp's) disk is
- * full, or is memory itself. On Windows and macOS
- * always. */
+ * full, or is memory itself. On Windows and macOS always. */
 void *pages_new(size_t bytes);
 
 /* What is in it goes to the file, and comes back where it is asked for. */

@@ -300,12 +300,13 @@ def test_strokes():
     for word, strokes, grain in (("TURNED_STEEL", 1, "RADIAL_Z"), ("SCRATCHED_STEEL", 0, "AXIS_Y"), ("BRUSHED_STEEL", 1, "AXIS_Y")):
         node.preset = word
         assert (node.strokes, node.grain) == (strokes, grain) and inside()[1] == bool(strokes), word
-    node.ex = 300
+    assert node.horizon == "MUTUAL"
+    node.ex, node.horizon = 300, "HARD"
     assert (node.strokes, node.grain) == (0, "UV") and inside() == (False, False)
     node.preset = "BRUSHED_STEEL"
-    assert (node.strokes, node.grain) == (0, "UV")
+    assert (node.strokes, node.grain, node.horizon) == (0, "UV", "HARD")
     properties = node.bl_rna.properties
-    assert (properties["strokes"].default, properties["grain"].default) == (0, "UV")  # what older files mean
+    assert [properties[name].default for name in ("strokes", "grain", "horizon")] == [0, "UV", "VALID_ESTEVEZ"]  # what older files mean
 
 
 def test_metals():
