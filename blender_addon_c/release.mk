@@ -42,13 +42,22 @@ $(RELEASE_ZIP): blender_addon_c/package.py $(RELEASE_FILES)
 	$(call say,zip      ,$@)
 	$(Q)/usr/bin/python3 $< $@ $(RELEASE_ADDON) $(RELEASE_FILES) $(call rest_of_manual,$(RELEASE_ADDON))
 
-# shade-render, with the same Embree in its folder lib
-LINUX_RENDER_NAME := shade-render-$(SHADE_VERSION)-linux-x64
+# shade-render, with the same Embree in its folder lib; on arm64, which embreex has no wheel for, with that of Debian 12, for
+# glibc 2.34 or later
+LINUX_RENDER_NAME := shade-render-$(SHADE_VERSION)-linux-$(LINUX_MACHINE)
 LINUX_RENDER_STAGE := $(RELEASE)/linux/$(LINUX_RENDER_NAME)
-LINUX_RENDER_ARCHIVE := $(RELEASE)/$(LINUX_RENDER_NAME).tar.gz
+LINUX_RENDER_ARCHIVE := $(ARCHIVES)/$(LINUX_RENDER_NAME).tar.gz
 LINUX_RENDER_LIBS := $(patsubst %,$(RELEASE_ADDON)/lib/libshade_%.so,embree tbb)
-linux: $(if $(TARGET_IS_ARM64),,$(LINUX_RENDER_ARCHIVE))
-$(RELEASE)/linux/shade-render: $(filter-out %/scene/accel.o,$(RENDER_OBJ)) $(RELEASE)/obj/accel.o $(RELEASE)/openexrcore.o $(RELEASE_NEEDS)
+LINUX_RENDER_ACCEL := $(RELEASE)/obj/accel.o
+LINUX_EMBREE_LICENCES = $(RELEASE_SOURCES)/embree/usr/share/doc/libembree-dev/copyright
+ifdef TARGET_IS_ARM64
+LINUX_RENDER_ACCEL := $(NATIVE)/obj/scene/accel.o
+$(RELEASE_ADDON)/lib/libshade_embree.so: FROM = $(call NATIVE_SYSTEM,libembree3.so.3)
+$(RELEASE_ADDON)/lib/libshade_tbb.so: FROM = $(call NATIVE_SYSTEM,libtbb.so.12)
+LINUX_EMBREE_LICENCES = $(ARM64_LIBRARIES)/usr/share/doc/libembree3-3/copyright
+endif
+linux: $(LINUX_RENDER_ARCHIVE)
+$(RELEASE)/linux/shade-render: $(filter-out %/scene/accel.o,$(RENDER_OBJ)) $(LINUX_RENDER_ACCEL) $(RELEASE)/openexrcore.o $(RELEASE_NEEDS)
 	@mkdir -p $(@D)
 	$(call say,link     ,$@)
 	$(Q)$(RELEASE_LINK) $(NATIVE_WRAP) $(filter %.o %.a,$^) $(LINUX_STATIC) $(RELEASE_RUNTIME) -lm -lpthread -ldl -o $@
@@ -58,7 +67,7 @@ $(LINUX_RENDER_ARCHIVE): $(RELEASE)/linux/shade-render $(LINUX_RENDER_LIBS) blen
 	$(Q)cp $(RELEASE)/linux/shade-render $(LINUX_RENDER_STAGE)
 	$(Q)cp $(LINUX_RENDER_LIBS) $(LINUX_RENDER_STAGE)/lib
 	$(Q)cp LICENSES/GPL-3.0-or-later.txt $(LINUX_RENDER_STAGE)/LICENSE.txt
-	$(Q)$(call stage_licences,$(LINUX_LICENCES) $(RELEASE_SOURCES)/embree/usr/share/doc/libembree-dev/copyright,$(LINUX_RENDER_STAGE))
-	$(Q)cp $(VENV_RELEASE)/lib/python3*/site-packages/embreex-*.dist-info/licenses/LICENSE $(LINUX_RENDER_STAGE)/licences/embreex.txt
+	$(Q)$(call stage_licences,$(LINUX_LICENCES) $(LINUX_EMBREE_LICENCES),$(LINUX_RENDER_STAGE))
+	$(Q)$(if $(TARGET_IS_ARM64),,cp $(VENV_RELEASE)/lib/python3*/site-packages/embreex-*.dist-info/licenses/LICENSE $(LINUX_RENDER_STAGE)/licences/embreex.txt)
 	$(Q)cp LICENSES/Apache-2.0.txt $(LINUX_RENDER_STAGE)/licences/libtbb.txt
 	$(Q)$(call tar_of,$(LINUX_RENDER_STAGE))

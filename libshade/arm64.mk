@@ -30,8 +30,8 @@ check-arm64: $(ARM64)/lib/libcmocka.a $(ARM64_LIBRARIES)/done blender $(RENDER)
 	$(Q)$(ARM64_RUN) $(ARM64)/shade --version | grep -q neon
 soak-machines: check-arm64
 
-# Library and tool for others' machines, as linux.mk says
+# Library, tool and shade-render for others' machines, as linux.mk and blender_addon_c/release.mk say
 .PHONY: linux-arm64
 linux-arm64: $(ARM64_LIBRARIES)/done $(RELEASE_NEEDS)
-	$(Q)+$(ARM64_MAKE) VENV_RELEASE=$(VENV_RELEASE) RELEASE_SOURCES=$(RELEASE_SOURCES) ZIG="$(ZIG)" ARCHIVES=$(B)/release \
+	$(Q)+$(ARM64_MAKE) ARM64_LIBRARIES=$(ARM64_LIBRARIES) VENV_RELEASE=$(VENV_RELEASE) RELEASE_SOURCES=$(RELEASE_SOURCES) ZIG="$(ZIG)" ARCHIVES=$(B)/release \
 	  STRIP=aarch64-linux-gnu-strip LD=aarch64-linux-gnu-ld linux
