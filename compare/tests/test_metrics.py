@@ -173,6 +173,9 @@ def test_a_failing_step_says_which_and_why(tmp_path):
     with pytest.raises(report.StepFailed, match="(?s)Doing it.*status 3.*the reason"):
         report.step("Doing it", ["sh", "-c", "echo the reason; exit 3"], tmp_path / "log")
     assert (tmp_path / "log").read_text() == "the reason\n"
+    with pytest.raises(report.StepFailed) as failed:
+        report.step("Doing it", ["sh", "-c", "for k in $(seq 30); do echo line $k; done; exit 1"], tmp_path / "log")
+    assert str(failed.value).splitlines()[1:] == [f"line {k}" for k in range(16, 31)]
     with pytest.raises(report.StepFailed, match="no-such-program"):
         report.step("Doing it", ["no-such-program"], tmp_path / "log")
     assert report.step("Doing it", ["sh", "-c", "echo no; exit 1"], tmp_path / "log",

@@ -280,6 +280,11 @@ def test_maps_name_what_fails(rows):
     assert len(regions.rows) == len(atlas_regions.regions(rows))
     assert all(len(row) == len(regions.columns) for row in regions.rows)
     assert {row[-1] for row in jumps.rows} == {"stays", "vanishes"}
+    distances = sorted({row["distance"] for row in study_atlas.of(rows, "jump")}, reverse=True)
+    jump = {(row["form"], row["place"], row["distance"]): row["jump"] for row in study_atlas.of(rows, "jump")}
+    for (form, place), row in zip(dict.fromkeys(key[:2] for key in jump), jumps.rows):
+        assert row[:2] == ["D′, " + study_atlas.FORMS[form].label, place] and row[2:-1] == [jump[form, place, far] for far in distances]
+    assert any(row[2] != row[-2] for row in jumps.rows)
     linked = {f.figure for f in study_atlas.findings(rows)}
     assert linked <= {*figures, "regions", "jumps"}
 

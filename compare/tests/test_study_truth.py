@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """build/displaced against formulas written down here, and study_truth.py's findings on altered rows."""
+import csv
 import subprocess
 import xml.etree.ElementTree as ET
 
@@ -58,6 +59,18 @@ def test_without_bumps_all_methods_are_the_truth(tmp_path, base):
     rows, _ = displacement.pictures(tmp_path, base, "smooth", 0, displacement.GROOVED, size=32)
     assert max(row["error_point"] for row in rows) < 1e-12
     assert max(row["error"] for row in rows) < 1e-3  # where the ray meets the base to 1e-12
+
+
+@pytest.mark.parametrize("first, second", [(0.1, 0.4), (0.4, 0.1)])
+@pytest.mark.parametrize("mdf", ["ashikhmin_shirley", "ggx", "ward"])
+def test_grooves_along_either_axis(tmp_path, mdf, first, second):
+    """Of a plate `rotate` is the displaced surface, whichever way the grooves go, said by exponents or by alphas."""
+    pair = [2 / alpha**2 - 2 for alpha in (first, second)] if mdf == "ashikhmin_shirley" else (first, second)
+    for job, column in (("pictures", "error"), ("lobes", "variation")):
+        displacement.run(job, tmp_path / "out.csv", "--mdf", mdf, "--first", pair[0], "--second", pair[1], "--methods", "rotate", *(
+            ["--size", 24] if job == "pictures" else ["--azimuths", 3]))
+        row, = csv.DictReader((tmp_path / "out.csv").open())
+        assert float(row[column]) < 1e-12
 
 
 @pytest.mark.parametrize("brdf", ["microfacet", "ashikhmin_shirley"])

@@ -327,6 +327,13 @@ material.node_tree.links.new(node.outputs[0], material.node_tree.nodes["Principl
 bpy.data.objects["Cube"].keyframe_insert("rotation_euler", frame=1)
 bpy.data.objects["Cube"].rotation_euler[2] = 1
 bpy.data.objects["Cube"].keyframe_insert("rotation_euler", frame=5)
+liquid = bpy.data.objects.new("liquid", bpy.data.meshes.new("liquid"))
+liquid.hide_render = True
+scene.collection.objects.link(liquid)
+liquid.modifiers.new("liquid", "FLUID").fluid_type = "DOMAIN"
+liquid.modifiers[0].domain_settings.cache_directory = "//liquid"
+frames = bpy.data.images.load(sys.argv[-1] + ".frame_01.png")
+frames.source, frames.use_fake_user = "SEQUENCE", True
 bpy.ops.wm.save_as_mainfile(filepath=sys.argv[-1])
 """
 
@@ -336,11 +343,16 @@ def test_frames_and_tiles_of_blender(tmp_path):
     """A tile's pixels are those of the frame that Blender renders whole, with all passes and the list of names."""
     blend = tmp_path / f"{NAME}.blend"
     environment = {"BLENDER_USER_SCRIPTS": str(ROOT / "build/blender"), "HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
+    beside = ["liquid/data/fluid_data_0001.vdb", f"blendcache_{NAME}/cloth_000001_00.bphys", f"{blend.name}.frame_01.png", f"{blend.name}.frame_02.png"]
+    for name in (*beside, f"{blend.name}.other_01.png"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_bytes(name.encode())
     subprocess.run(["blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python-expr", SCENE, "--", blend], env=environment, check=True,
                    capture_output=True)
     for folder, words in (("whole", ()), ("tiles", ("--tiles", "2x1"))):
         farm("submit", blend, "--frames", "3", "-o", tmp_path / folder, *words, env=environment)
-    assert {pathlib.Path(one["path"]).name for one in json.loads((tmp_path / "tiles/job.json").read_text())["inputs"]} == {blend.name, blend.name + ".png"}
+    assert {one["path"] for one in json.loads((tmp_path / "tiles/job.json").read_text())["inputs"]} == {
+        str(tmp_path / name) for name in (*beside, blend.name, blend.name + ".png")}
     whole, tiles = (oiio.ImageBuf(str(tmp_path / folder / f"frames/{NAME}_0003.exr")) for folder in ("whole", "tiles"))
     names = whole.spec().channelnames
     assert len(names) > 12 and set(names) == set(tiles.spec().channelnames)

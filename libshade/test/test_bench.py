@@ -79,6 +79,13 @@ def test_every_row_in_cache(tmp_path):
         assert 0.05 < float(row["ns"]) < 5000, row  # of one sample, on any machine: not of an array
         # something was compared
         assert float(row["max_error"]) > 0, row
+        assert row["method"] != "perturb" or row["ratio_perturb"] == "1", row
+    # a bare pass over the arrays, which computes nothing, and perturb are the same for all methods
+    for column in ("ratio_stream", "ratio_perturb"):
+        others = {}
+        for row in rows:
+            others.setdefault((row["what"], row["precision"], row["distribution"]), []).append(float(row["ns"]) / float(row[column]))
+        assert all(min(found) > 0.99 * max(found) for found in others.values()), (column, others)
 
 
 def test_one_horizon():
@@ -118,6 +125,7 @@ def test_maps():
     assert {"slopes_point", "slopes_4", "slopes_64", "slopes_64_by_8", "widen"} <= set(rows)
     for row in rows.values():
         assert row["precision"] == "double" and float(row["ratio_perturb"]) > 0, row
+        assert 1 < float(row["ns"]) < 5e4, row  # of one look-up, on any machine
     assert float(rows["slopes_point"]["ratio_perturb"]) == 1
 
 

@@ -3,6 +3,7 @@
 import math
 import os
 import pathlib
+import re
 import subprocess
 
 import pytest
@@ -262,6 +263,10 @@ def test_digits_blank_lines_and_comments():
     assert result.stdout.strip() == "%.9g" % float(result.stdout)
     result = run("0 0 1 0 0 1\n", "--ex", "1", "--ey", "2")
     assert result.stdout.strip() == "%.17g" % float(result.stdout)
+    lines = "".join(f"0 0 1 0 {math.sin(.1 * k)} {math.cos(.1 * k)}\n" for k in range(10))
+    for precision, digits in (("float", 9), ("double", 17), ("reference", 17)):
+        said = run(lines, "--precision", precision, "--ex", "3", "--ey", "2").stdout.split()
+        assert max(len(re.sub(r"e.*|\D", "", number).lstrip("0")) for number in said) == digits
 
 
 @pytest.mark.parametrize("line, word", [

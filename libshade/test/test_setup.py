@@ -57,6 +57,29 @@ def test_elsewhere_by_the_names_of_debian(run):
     assert "sudo" not in done.stderr
 
 
+@pytest.mark.parametrize("system", ["fedora", "arch", "other"])
+def test_one_that_nothing_is_known_of_is_missing(run, system):
+    done = run(system, "gcc", "no-such-package")
+    assert done.returncode == 1 and "missing: no-such-package\n" in done.stderr and "sudo" not in done.stderr
+
+
+# by goal, what a machine that has nothing is given before make starts: lists of packages, setup/packages-NAME.txt, and environments of Python
+NEEDED = {"demo": "blender build demo povray", "compare": "blender build demo povray", "compare-peers": "blender build demo peers povray",
+          "pictures": "blender build demo povray", "manual-pictures": "blender build demo povray test", "bench": "build", "bench-pairs": "build",
+          "bench-frames": "blender build demo povray", "blender": "blender build", "native": "blender build test", "render": "blender build",
+          "povray": "build povray", "povray-package": "build package povray", "check-libshade": "build test", "check": "blender build", "lint": "lint",
+          "release": "arm64 blender build macos release windows", "release-addon": "blender build release", "windows": "blender build windows",
+          "macos": "blender build macos release", "check-windows": "blender build test windows", "check-arm64": "arm64 blender build test windows",
+          "check-macos": "blender build macos release test", "povray lint": "build lint povray"}
+
+
+def test_what_a_goal_needs():
+    lines = re.findall(r"^NEEDS.*$", (SETUP / "setup.mk").read_text(encoding="utf-8"), re.M)
+    goals = "\n".join(f"MAKECMDGOALS := {goals}\n{lines[-1]}\n$(info $(NEEDS))" for goals in NEEDED)
+    said = subprocess.run(["make", "-f", "-", "end"], input="\n".join([*lines[:-1], goals, "end:;@:"]), capture_output=True, text=True, check=True).stdout
+    assert dict(zip(NEEDED, said.splitlines())) == NEEDED
+
+
 def test_help_lists_the_commands_and_clean_takes_what_they_made():
     """Of lines that a person types as they are; each is a goal."""
     def said(*words):
