@@ -250,6 +250,45 @@ static void test_write_failures(void **state) {
   shade_dump_free(d);
 }
 
+static exr_result_t finish_badly(exr_context_t *context) {
+  exr_finish(context);
+  return EXR_ERR_FILE_ACCESS;
+}
+
+static exr_result_t encode_badly(exr_const_context_t context, int part, exr_encode_pipeline_t *p) {
+  (void)context, (void)part, (void)p;
+  return EXR_ERR_OUT_OF_MEMORY;
+}
+
+static exr_result_t head_badly(exr_context_t context) {
+  (void)context;
+  return EXR_ERR_MISSING_REQ_ATTR;
+}
+
+/* A file that the library could not write whole takes no other's place. */
+static void test_what_the_library_cannot_write(void **state) {
+  (void)state;
+  struct shade_exr_api bad[3] = {*shade_exr_api_linked(), *shade_exr_api_linked(),
+                                 *shade_exr_api_linked()};
+  const char *const says[] = {"cannot finish the file", "cannot write pixels",
+                              "cannot write the header"};
+  bad[0].exr_finish = finish_badly;
+  bad[1].exr_encoding_run = encode_badly;
+  bad[2].exr_write_header = head_badly;
+  shade_dump *d = sample(1);
+  assert_int_equal(shade_dump_write(shade_exr_api_linked(), path, d, error, sizeof error), 0);
+  for (int k = 0; k < 3; ++k) {
+    assert_int_equal(shade_dump_write(&bad[k], path, d, error, sizeof error), -1);
+    assert_non_null(strstr(error, says[k]));
+    assert_int_equal(files_in_folder(), 1);
+    shade_dump *old = shade_dump_read(shade_exr_api_linked(), path, error, sizeof error);
+    assert_non_null(old);
+    shade_dump_free(old);
+  }
+  shade_dump_free(d);
+  unlink(path);
+}
+
 #ifndef _WIN32
 /* The disk fills up: the old file survives, nothing is left behind. */
 static void test_disk_full(void **state) {
@@ -600,7 +639,7 @@ int main(void) {
       cmocka_unit_test(test_variants),       cmocka_unit_test(test_not_exr),
       cmocka_unit_test(test_huge_promise),   cmocka_unit_test(test_damaged),
       cmocka_unit_test(test_optional),       cmocka_unit_test(test_half_a_channel),
-      cmocka_unit_test(test_even_planes),
+      cmocka_unit_test(test_even_planes),    cmocka_unit_test(test_what_the_library_cannot_write),
 #ifndef _WIN32
       cmocka_unit_test(test_loaded_library), cmocka_unit_test(test_disk_full),
 #endif

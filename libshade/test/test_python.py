@@ -592,6 +592,33 @@ def test_pixels_of_whole_numbers():
 ONE = np.float32([[[0.002, 0, 1]]])
 
 
+NAN = math.nan
+ROUND, UPRIGHT = shade.Material(mdf="ggx", ax=.2, ay=.2), [0, 0, 1.0]
+
+
+@pytest.mark.parametrize("call, said", [
+    (lambda **s: shade.SlopeMap(np.float32([[[0, 0, 1], [0, 0, -1]]]), normals="signed", **s), "clamped normal"),
+    (lambda **s: shade.SlopeMap(np.float32([[[0, 0, 1], [NAN, 0, 1]]]), normals="signed", **s), "bad input"),
+    (lambda **s: shade.SlopeMap(ONE, normals="signed").look_up([NAN, .3], **s), "bad input"),
+    (lambda **s: shade.split(ROUND, [NAN, 0, 1], [.1, 0, .1], **s), "bad input"),
+    (lambda **s: shade.D(ROUND, UPRIGHT, [NAN, 0, 1], **s), "bad input"),
+    (lambda **s: shade.eval(ROUND, UPRIGHT, [NAN, 0, 1], UPRIGHT, **s), "bad input"),
+    (lambda **s: shade.pdf(ROUND, UPRIGHT, [NAN, 0, 1], UPRIGHT, **s), "bad input"),
+    (lambda **s: shade.sample(ROUND, [0, 0, -1.0], UPRIGHT, [.5, .5], **s), "clamped normal"),
+    (lambda **s: shade.Scratches(SCRATCH, cells=0).look_up([NAN, .3], **s), "bad input"),
+    (lambda **s: shade.fabric("denim").look_up([NAN, .3], **s), "bad input"),
+    *((lambda name=name, more=more, **s: getattr(shade.fabric("denim"), name)([.3, .4], [NAN, 0, 1], *more, **s), says)
+      for name, more, says in (("eval", [UPRIGHT], "bad input"), ("coverage", [], "bad input"), ("pdf", [UPRIGHT], "bad input"),
+                               ("sample", [[.1, .2, .3]], "bad input, no sample")))])
+def test_each_call_says_what_it_mended(call, said):
+    """By status=, which gathers: what was said before stays."""
+    status = shade.Status()
+    call(status=status)
+    assert str(status) == said
+    shade.D(ROUND, [0, 0, -1.0], UPRIGHT, status=status)
+    assert all(words in status for words in ("clamped normal", *said.split(", ")))
+
+
 def test_options_of_maps():
     """Strength multiplies slopes, up to 100 times; directx turns green about; beyond the edge it is as wrap says."""
     seen = shade.SlopeMap(ONE, normals="signed", strength=100).look_up([0.5, 0.5]).normal

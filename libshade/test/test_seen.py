@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a person sees of `shade`: defaults, help, what each option changes, progress, files and how it ends."""
+import contextlib
 import functools
 import json
 import os
@@ -338,3 +339,19 @@ def test_progress_and_its_end(tmp_path, words, side, how):
         assert abs(filled / width - part / 100) < .05
         if left is not None:
             assert left == pytest.approx(now * (100 - part) / part, rel=.5, abs=1.5)
+
+
+def test_the_time_left_falls(tmp_path):
+    terminal, inner = pty.openpty()
+    begun = time.monotonic()
+    process = subprocess.Popen([SHADE, "swatch", "turned_brass", "-o", tmp_path / "a.png", "--threads", "1", "--size", "70"], stderr=inner)
+    os.close(inner)
+    told = b""
+    with contextlib.suppress(OSError):  # Linux says so at its end
+        while new := os.read(terminal, 4096):
+            told += new
+    took = time.monotonic() - begun
+    os.close(terminal)
+    process.wait(60)
+    part, left = re.findall(rb"(\d+) % +(\d+) s left", told)[-1]
+    assert int(part) > 50 and int(left) <= (1.5 - int(part) / 100) * took + 0.5
