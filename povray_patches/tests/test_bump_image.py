@@ -5,11 +5,17 @@ The convention. A normal map is what Blender, OpenGL and MikkTSpace mean by one:
 dP/dv, blue along the normal; u to the right of the picture, v up. A mesh exported from Blender with y and z
 exchanged (Blender is right-handed with z up, POV-Ray left-handed with y up) keeps its UVs, and looks the same.
 """
+import sys
+from pathlib import Path
+
 import numpy as np
 import OpenImageIO as oiio
 import pytest
 
 from scenes import dot, finish, normalise, saddle
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "libshade/python"))
+import shade  # noqa: E402
 
 COST = 17
 
@@ -361,6 +367,7 @@ def fine(tmp_path):
     n = np.random.default_rng(5).normal(size=(64, 64, 2)) * [.12, .06]
     n = normalise(np.concatenate([n, np.ones((64, 64, 1))], -1))
     write_png(tmp_path / "fine.png", np.round((n + 1) / 2 * 65535), "uint16")
+    return tmp_path / "fine.png"
 
 
 PLATE = """#version 3.7; global_settings { assumed_gamma 1 max_trace_level 3 }
@@ -392,6 +399,19 @@ def test_bumps_below_a_pixel_are_roughness(render, shade_check, fine, lobe):
     # what is added is twice the slopes' variance, .0144 + .0036 in all, less what the texels' interpolation takes
     added = alpha[0] ** 2 + alpha[1] ** 2 - own[0] ** 2 - own[1] ** 2
     assert (added > .25 * 2 * .018).all() and (added < 1.1 * 2 * .018).all()
+
+
+@pytest.mark.parametrize("texels", [1.2, 1.5, 1.8, 2.5])
+def test_bumps_of_a_texel_to_a_pixel_become_roughness_bit_by_bit(render, fine, texels):
+    """From one to two texels their share grows in a straight line, from what the map itself says of such a pixel."""
+    across = 64 * 8 * np.tan(np.radians(1)) / .14  # of the picture, in texels
+    size = round(across / texels)
+    dump = render(PLATE + plate("beckmann .18, .36", tiles=1), size=(size, size)).dump
+    added = (dump.channels["alpha.X"] ** 2 + dump.channels["alpha.Y"] ** 2)[dump.hit].mean() - .18 ** 2 - .36 ** 2
+    side = across / size / 64
+    xx, _xy, yy = shade.SlopeMap(oiio.ImageBuf(str(fine)).get_pixels(oiio.FLOAT)).look_up(
+        np.random.default_rng(4).random((4000, 2)), [side, 0, 0, side]).covariance.mean(0)
+    assert added == pytest.approx(min(64 * side - 1, 1) * 2 * (xx + yy), rel=.08)
 
 
 @pytest.mark.parametrize("lobe", LOBES[:2])

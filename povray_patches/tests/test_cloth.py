@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scenes import SUN, scene
+from scenes import SUN, dot, normalise, scene
 
 COST = 73.3
 
@@ -324,6 +324,16 @@ def test_yarns_take_the_pigments_colour(render, colour):
     assert pictures[0] == pytest.approx(pictures[1], rel=2e-3, abs=1e-4)  # half floats
 
 
+def test_a_dump_has_no_room_for_yarns_of_the_pigments_colour(render, shade_check):
+    """Its header has one colour a yarn, so these hits are left out; those of another cloth beside it are there."""
+    words = 'preset "gabardine" crossings 20'
+    text = (sheet(-1, -1, 0, 1) + cloth(f"{words} warp {{ diffuse pigment }}", "checker rgb <.7, .3, .1>, rgb <.1, .5, .8> scale .1") + "}\n"
+            + sheet(0, -1, 1, 1) + cloth(words) + "}")
+    dump = render(scene(text, header=FRONT)).dump
+    assert dump.hit.mean() == pytest.approx(.5, abs=.02) and (dump.P[dump.hit][:, 0] < 0).all()  # its x is that of the other hand
+    shade_check(dump, 2e-5, everything=False)
+
+
 @pytest.mark.parametrize("yarns", ["warp", "yarns"])
 @pytest.mark.parametrize("settings", ["", "radiosity { pretrace_start .2 pretrace_end .1 count 20 }"])
 def test_yarns_glow_in_the_pigments_colour(render, yarns, settings):
@@ -396,6 +406,29 @@ def test_a_metal_preset_is_the_librarys(render):
     dump = render(scene('sphere { 0, 1 texture { pigment { rgb 0 } finish { mdf { preset "brushed_brass" } } } }')).dump
     assert dump.header["materials"][0]["fresnel"] == "conductor"
     assert dump.header["materials"][0]["eta"] == pytest.approx([.4777, .5235, 1.128])
+
+
+def test_metals_of_the_include_file(render):
+    """Each of its textures is the preset of its name; the marks of the turned ones go round y, of the others along one axis."""
+    names = [f"{how} {metal}" for metal in ("Steel", "Aluminium", "Brass", "Copper", "Gold", "Titanium") for how in ("Brushed", "Turned", "Scratched")]
+    boxes = "".join(f"box {{ -.4, .4 texture {{ MDF_T_{name.replace(' ', '_')} }} translate <{k % 6}, 0, {k // 6}> }}\n" for k, name in enumerate(names))
+    dump = render("""#version 3.7; global_settings { assumed_gamma 1 } #declare mdf_Defaults = 1;
+#include "mdf_metals.inc"
+camera { orthographic location <2.5, 9, 1> right 6*x up 3*y look_at <2.5, 0, 1> } light_source { <4, 9, -3>, 1 parallel point_at 0 }
+""" + boxes, size=(240, 120)).dump
+    made = {}
+    for k, name in enumerate(names):
+        centre = np.array([k % 6, .4, k // 6])
+        here = dump.hit & (np.abs(dump.P - centre).max(-1) < .39)
+        from_centre = dump.P[here] - centre
+        round_y = np.abs(dot(normalise(np.cross([0, 1, 0], from_centre)), normalise(dump.T[here])))
+        material = dump.header["materials"][int(np.median(dump.id[here]))]
+        how, metal = name.split()
+        made.setdefault(metal, []).append((material["eta"], material["k"]))
+        assert here.sum() > 500 and (material["ex"], material["ey"]) == pytest.approx({"Brushed": (798, 76), "Turned": (1248, 245), "Scratched": (1600, 1600)}[how])
+        assert (round_y.min() > .99) if how == "Turned" else (round_y.min() < .1 and abs(np.median(round_y) - .5 ** .5) < 1e-3), name
+    assert all(numbers == [numbers[0]] * 3 for numbers in made.values()) and len({str(numbers[0]) for numbers in made.values()}) == 6
+    assert made["Brass"][0][0] == pytest.approx([.4777, .5235, 1.128])
 
 
 @pytest.mark.parametrize("word", ["denim", "silk_charmeuse", "wool_flannel"])
