@@ -137,7 +137,7 @@ static int set_twist(twist *t, const char *option, const char *value) {
     int good = 0;
     if (i == 0) {
       t->hand = strcmp(item, "none") ? toupper((unsigned char)*item) : 0;
-      good = !t->hand || ((t->hand == 'S' || t->hand == 'Z') && !item[1]);
+      good = !strcmp(item, "none") || ((t->hand == 'S' || t->hand == 'Z') && !item[1]);
     }
     if (i == 1)
       good = tool_parse_number(item, &t->angle) && t->angle >= .6 && t->angle <= 90;
