@@ -58,6 +58,8 @@ def test_height_and_normal_agree_with_points(tmp_path):
     assert np.abs(values[..., 1:4] - (2 * normals - 1)).max() < 1e-6
     assert (values[..., 4:] == 0).all()
     assert heights.min() < -0.001 and heights.max() == 0
+    make("--height", tmp_path / "alone.exr", "--size", f"{width}x{height}", *SCRATCHES)
+    assert (tmp_path / "alone.exr").read_bytes() == (tmp_path / "h.exr").read_bytes()
 
 
 def test_normals_are_the_gradient_of_the_height_file(tmp_path):
@@ -254,8 +256,3 @@ def test_ctrl_c_leaves_the_old_file(tmp_path, name):
     _, message = process.communicate(timeout=60)
     assert process.returncode == 130 and "interrupted" in message
     assert path.read_text() == "old" and len(list(tmp_path.iterdir())) == 1
-
-
-def test_help():
-    result = run("--help")
-    assert result.returncode == 0 and "usage: shade scratch" in result.stdout

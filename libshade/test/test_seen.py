@@ -108,6 +108,9 @@ def test_defaults_and_that_options_change_something(map_of_normals, command, tex
         assert answer(default) == plain
     different = [answer(other) for other in others]
     assert len({plain, *different}) == 1 + len(different), "an option that changes nothing"
+    for other in different if option == "--precision" else []:  # the same words, the same numbers to as many digits
+        for one, two in zip(plain.split(), other.split(), strict=True):
+            assert one == two or float(one) == pytest.approx(float(two), rel=3e-4, abs=1e-5), (one, two)
 
 
 HELP = {  # a person's: what is said of an option in --help, with its default
@@ -144,6 +147,24 @@ def test_help_says_the_defaults(command):
     for option, words in HELP[command].items():
         said = re.search(rf"^  (-\S+ \S+ +)?{option}\s.*(\n {{12,}}.*)*", text, re.M)
         assert said and words in re.sub(r"\s+", " ", said[0]), option
+    assert good(command, "-h") == text and text.startswith(f"usage: shade {command} ")
+
+
+def test_what_shade_says_of_itself():
+    """Each command and what it does, to whom asks; to who errs too, and to another stream."""
+    text = good("--help")
+    assert text == good("-h") == good("help")
+    listed = re.findall(r"^  (\w+) +(\S.*)$", text, re.M)
+    assert [name for name, _ in listed if name != "shade"] == "eval bench scratch presets fabric swatch slopes check weave".split()
+    for name, does in listed:
+        first = {"eval": "evaluate", "bench": "time", "scratch": "make a map of scratches", "presets": "cloths and metals", "fabric": "what a cloth reflects",
+                 "swatch": "pictures", "slopes": "look a normal map up", "check": "recompute a renderer's dump", "weave": "which yarn", "shade": ""}
+        assert does.startswith(first[name]), name
+    for name in "presets", "bench":  # the others: above
+        assert good(name, "-h") == good(name, "--help") and good(name, "-h").startswith(f"usage: shade {name} ")
+    alone, unknown = shade(), shade("sheen")
+    assert (alone.returncode, alone.stdout, alone.stderr) == (2, "", text)
+    assert (unknown.returncode, unknown.stdout, unknown.stderr) == (2, "", f"shade: unknown command 'sheen'\n\n{text}")
 
 
 RANGES = [  # what is just refused, and what is just taken; a person's
@@ -174,7 +195,7 @@ RANGES = [  # what is just refused, and what is just taken; a person's
 @pytest.mark.parametrize("command, option, refused, taken", RANGES, ids=[f"{r[0][0]}{r[1]}" for r in RANGES])
 def test_ranges(map_of_normals, command, option, refused, taken):
     command = [map_of_normals if word == "MAP" else word for word in command]
-    for value in refused:
+    for value in [*refused, "", "1x"]:
         result = shade(*command, option, value)
         assert result.returncode == 2 and option in result.stderr and not result.stdout, value
     for value in taken:
@@ -203,6 +224,13 @@ def test_what_is_said_of_directions(line, said, precision):
     for what in "f", "pdf":
         message = shade("eval", "--what", what, "--precision", precision, text=line + "\n").stderr
         assert (said or "") in message and bool(message) == bool(said) and message.count("\n") == bool(said)
+
+
+def test_what_is_said_of_cloth():
+    result = shade("fabric", "denim", text="0 0 0 0 0 1 0 0 1\n# no eye\n0 0 0 0 0 1 0 0 0\n0 0 0 0 0 1 .6 0 .8\n")
+    assert result.stderr == "shade fabric: standard input, line 3: warning: no such direction: 0\n" and result.returncode == 0
+    first, none, last = (line.split() for line in result.stdout.splitlines())
+    assert none == ["0", "0", "0"] and all(float(x) > 0 for x in first + last)
 
 
 def test_highlights_alone():
@@ -289,6 +317,15 @@ def test_kinds_of_pictures(tmp_path, monkeypatch, words, kind):
         image.close()
         assert str(spec.format) == kind
         assert (spec.width, spec.height) == (shape or ((1024, 1024) if words[0] == "scratch" else (512, 512)))
+
+
+def test_all_of_a_draft_at_once(tmp_path):
+    """As text, as a file and as a map, and nothing is asked for."""
+    text = good("weave", "--pattern", "2,1,1", "--print", "--wif", tmp_path / "a.wif", "-o", tmp_path / "a.exr", "--size", 8, text="0 0\n")
+    assert text == "X..\n.X.\n..X\n" and b"[WIF]" in (tmp_path / "a.wif").read_bytes()
+    image = oiio.ImageInput.open(str(tmp_path / "a.exr"))
+    assert "top.ID 0 weft, 1 warp, 2 gap; yarn.ID pick or end from 0; color linear RGB" in image.spec().get_string_attribute("ImageDescription")
+    image.close()
 
 
 def test_no_map_of_a_draft_that_failed(tmp_path):

@@ -194,8 +194,3 @@ def test_without_the_module(tmp_path):
     result = run(picture, shade=alone)
     assert result.returncode == 1
     assert "libopenimageio-dev" in result.stderr and "a.exr" in result.stderr
-
-
-def test_help():
-    result = run("--help")
-    assert result.returncode == 0 and "usage: shade slopes" in result.stdout

@@ -239,10 +239,52 @@ static void a_pixel_of_metal(void **state) {
   }
 }
 
+/* What --help says of the sheets: rows flat near, flat far, hung near, hung far, the light from
+ * left to right; of all presets each flat near and hung far, in their order, what is left over
+ * empty. */
+static void sheets(void **state) {
+  (void)state;
+  const options one = {.word = "denim"};
+  sheet sh = {0};
+  assert_true(lay_out(&sh, &one, 1));
+  assert_int_equal(sh.across, 4);
+  assert_int_equal(sh.down, 4);
+  static const int hung[4] = {0, 0, 1, 1}, far[4] = {0, 1, 0, 1}, degrees[4] = {-60, -20, 20, 60};
+  for (int i = 0; i < 16; i++) {
+    const tile *t = &sh.tiles[i];
+    assert_int_equal(t->cylinder, hung[i / 4]);
+    assert_int_equal(t->far, far[i / 4]);
+    assert_int_equal(t->preset, 0);
+    assert_near(t->azimuth * 180 / PI, degrees[i % 4], 1e-9);
+  }
+  free(sh.tiles);
+  /* presets, how many across were asked for, what is made of it */
+  static const struct {
+    int count, asked, across, down;
+  } all[] = {{27, 5, 5, 6}, {27, 9, 9, 3}, {4, 16, 4, 1}, {5, 1, 1, 5}};
+  for (int k = 0; k < 4; k++) {
+    const options o = {.all = 1, .across = all[k].asked};
+    assert_true(lay_out(&sh, &o, all[k].count));
+    assert_int_equal(sh.across, 2 * all[k].across);
+    assert_int_equal(sh.down, all[k].down);
+    for (int i = 0; i < sh.across * sh.down; i++) {
+      const tile *t = &sh.tiles[i];
+      assert_int_equal(t->preset, i / 2 < all[k].count ? i / 2 : -1);
+      assert_int_equal(t->cylinder, i % 2);
+      assert_int_equal(t->far, i % 2);
+      assert_near(t->azimuth * 180 / PI, i % 2 ? 25 : -25, 1e-9);
+    }
+    free(sh.tiles);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_sky_adds_up),         cmocka_unit_test(the_key_is_a_disc),
-      cmocka_unit_test(places_follow_the_cloth), cmocka_unit_test(a_pixel_of_cloth),
+      cmocka_unit_test(sheets),
+      cmocka_unit_test(the_sky_adds_up),
+      cmocka_unit_test(the_key_is_a_disc),
+      cmocka_unit_test(places_follow_the_cloth),
+      cmocka_unit_test(a_pixel_of_cloth),
       cmocka_unit_test(a_pixel_of_metal),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -67,6 +67,7 @@ def test_all_presets_are_there():
         assert all(f"{{{key}," in bibliography for key in keys), p
         if p["kind"] == "fabric":
             assert p["weft"]["diffuse"] == "fibre" and 0 < p["warp"]["width"] <= 1
+            assert [p[word] for word in ("occlusion", "mdf", "brdf", "detail")] == ["tilt", "ashikhmin_shirley", "auto", "rotate"]
         else:
             assert p["material"]["fresnel"] == "conductor" and p["scratches"][0]["pits"] > 0
 
@@ -295,11 +296,6 @@ def test_refusals(words, text, code, message, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("command", ["presets", "fabric", "swatch"])
-def test_help(command):
-    assert f"usage: shade {command}" in good(command, "--help")
-
-
 # ---- pictures ------------------------------------------------------------------------------------
 
 
@@ -311,6 +307,8 @@ def test_sheet(name, tmp_path):
     values, spec = pixels(tmp_path / "a.exr")
     assert (spec.width, spec.height, spec.nchannels) == (136, 136, 3)
     assert np.isfinite(values).all() and values.min() >= 0
+    assert np.abs(values[[0, 50], [0, 3]] - 0.02).max() < 1e-4  # beside the tiles
+    assert spec.get_string_attribute("ImageDescription") == {"denim": "Cotton denim", "turned_brass": "Turned brass"}[name]
     good("swatch", name, "-o", tmp_path / "a.png", "--size", 24)
     coded, spec = pixels(tmp_path / "a.png")
     linear = np.clip(values, 0, 1)
@@ -338,3 +336,25 @@ def test_contact_sheet(tmp_path):
             assert tile.max() > 0.15, (row, column)
             label = values[28 + 35 * row:35 + 35 * row, 8 + 24 * column:24 + 24 * column]
             assert label.max() > 0.5, (row, column)  # no name is shorter than a tile of 16
+    ink = values[28:35, 200:230, 0] > 0.5  # below the fifth pair
+    assert ["".join(".X"[int(x)] for x in line) for line in ink] == [
+        "X......XXX..X...X.XXXXX.X...X.",
+        "X.......X...XX..X.X.....XX..X.",
+        "X.......X...XX..X.X.....XX..X.",
+        "X.......X...X.X.X.XXXX..X.X.X.",
+        "X.......X...X..XX.X.....X..XX.",
+        "X.......X...X..XX.X.....X..XX.",
+        "XXXXX..XXX..X...X.XXXXX.X...X."]
+    ground = values[:8].reshape(-1, 3)
+    assert len(np.unique(ground, axis=0)) == 1 and 0.1 < ground.max() < 0.2
+    # each in its place: what a person calls it
+    hues = {"gold": "rgb", "copper": "rgb", "brass": "rgb", "denim": "bgr", "shantung": "bgr", "lining": "rbg"}
+    for k, name in enumerate(CLOTHS + METALS):
+        top, left = 8 + 35 * (k // 9), 8 + 48 * (k % 9)
+        for tile in values[top:top + 16, left:left + 16], values[top + 2:top + 14, left + 26:left + 38]:
+            mean = dict(zip("rgb", tile.mean((0, 1))))
+            hue = hues.get(name.split("_")[-1])
+            if hue:
+                assert mean[hue[0]] > mean[hue[1]] > mean[hue[2]], (name, mean)
+            elif name.endswith(("steel", "aluminium", "flannel")):
+                assert max(mean.values()) < 1.06 * min(mean.values()), (name, mean)
