@@ -4,6 +4,7 @@
 import signal
 import subprocess
 import time
+import zlib
 
 import numpy as np
 import OpenImageIO as oiio
@@ -55,10 +56,31 @@ def test_options(tmp_path, path):
     ((), 2, "one scene and -o FILE.exr"), (("-o", "x.png"), 2, "-o FILE.exr"), (("-o", "x.exr", "--tile", "1,2,3"), 2, "'1"),
     (("-o", "x.exr", "--samples", "0"), 2, "'0'"), (("-o", "x.exr", "--tile", "0,0,17,1"), 1, "--tile must be within"),
     (("-o", "x.exr", "--passes", "Mist"), 1, "none of these passes"),
-    (("-o", "x.exr", "--passes", "Depths,Dept,Combined2"), 1, "none of these passes"), (("-o", "missing/x.exr"), 1, "missing/x.exr: cannot write")])
+    (("-o", "x.exr", "--passes", "Depths,Dept,Combined2"), 1, "none of these passes"), (("-o", "missing/x.exr"), 1, "missing/x.exr: cannot write"),
+    (("-o", "x.exr", "more"), 2, "one scene and -o FILE.exr"), (("-o", "x.exr", "--nothing"), 2, "--nothing"), (("-o", "x.exr", "--tile", "0,4,1,13"), 1, "--tile must be within"),
+    *((("-o", "x.exr", option, value), 2, f"'{value.split(',')[0]}") for option, value in (
+        ("--samples", "65537"), ("--samples", "4.5"), ("--seed", "-1"), ("--seed", "4294967296"), ("--threads", "0"), ("--threads", "257"), ("--tile", "0,0,0,4"),
+        ("--tile", "0,0,4,0"), ("--tile", "-1,0,4,4"), ("--tile", "0,0,4,4,4"), ("--share", "0,0"), ("--share", "-1,4")))])
 def test_what_is_wrong_with_a_call_is_told(path, words, status, said):
     done = run(path, *words)
     assert done.returncode == status and said in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("words", [("--samples", "1"), ("--samples", "65536", "--seed", "4294967295", "--threads", "256"), ("--seed", "0", "--threads", "1", "--tile", "0,0,1,1")])
+def test_all_that_an_option_may_be_is_taken(tmp_path, words):
+    done = run(tmp_path / "no.shscene", "-o", tmp_path / "x.exr", *words)
+    assert done.returncode == 1 and done.stderr == f"shade-render: {tmp_path}/no.shscene: No such file or directory\n"
+
+
+def test_exposure_is_of_light_and_warnings_are_told(tmp_path, path):
+    """Not of what covers a pixel; without a library nothing is denoised."""
+    scene_file.write(path, "L", [(scene(), [("Combined", "RGBA", "", 2.5), ("Plain", "RGBA", "", 1.0)])])
+    found = made(tmp_path, path)
+    assert all((found[f"L.Combined.{letter}"] == np.float32(2.5) * found[f"L.Plain.{letter}"]).all() for letter in "RGB")
+    assert (found["L.Combined.A"] == found["L.Plain.A"]).all() and found["L.Combined.R"].any() and found["L.Combined.A"].any()
+    scene_file.write(path, "L", [(scene(use_denoising=True, denoiser="/no/library"), [COMBINED])])
+    done = run(path, "-o", tmp_path / "x.exr")
+    assert done.returncode == 0 and done.stderr.startswith("shade-render: warning: ") and done.stderr.endswith("the picture is as noisy as it was\n"), done.stderr
 
 
 def test_ctrl_c_leaves_no_file(tmp_path):
@@ -88,6 +110,18 @@ def test_ctrl_c_leaves_no_file(tmp_path):
     (lambda header, arrays: header.update(texts=[{"name": "cryptomatte/1/name", "text": "a"}, {"name": "channels", "text": "a"}]),
      "texts[1]: name must be \"cryptomatte/"),
     (lambda header, arrays: header["pictures"][0]["passes"][1].update(plane="MIST"), "pass Depth: plane 'MIST' must be one that the scene has"),
+    (lambda header, arrays: header["pictures"][0]["passes"][1].update(channels="XY"), "pass Depth: plane 'DEPTH' must be one that the scene has, of 2 channels or more"),
+    (lambda header, arrays: header["pictures"][0]["passes"][1].update(channels=""), "pictures[0].passes[1]: channels must be one to four letters"),
+    (lambda header, arrays: header["pictures"][0]["passes"][1].update(channels="ABCDE"), "pictures[0].passes[1]: channels must be one to four letters"),
+    (lambda header, arrays: header["pictures"][0]["passes"][1].update(name="Combined", channels="R"), "passes must have channel L.Combined.R once"),
+    (lambda header, arrays: header["pictures"][0]["passes"][0].update(exposure="1"), "pictures[0].passes[0]: exposure must be a finite number"),
+    (lambda header, arrays: header["pictures"].append({**header["pictures"][0], "scene": {**header["pictures"][0]["scene"], "height": 17}}),
+     "pictures[1]: scene must be as large as the first picture's"),
+    (lambda header, arrays: header.update(pictures=[]), "pictures must be one or more"), (lambda header, arrays: header.update(pictures=[3]), "pictures[0]: an object is expected"),
+    (lambda header, arrays: header["pictures"][0]["scene"].update(samples="4"), "pictures[0].scene: samples must be an integer from 1 to 65536"),
+    (lambda header, arrays: header["pictures"][0]["scene"].update(transparent=[]), "pictures[0].scene: transparent must be true or false"),
+    (lambda header, arrays: header["pictures"][0]["scene"].update(background=[1, 2]), "pictures[0].scene: background must be a list of 3 finite numbers"),
+    (lambda header, arrays: header.update(texts=[{"name": "cryptomatte/" + 244 * "n", "text": "a"}]), "texts[0]: name must be \"cryptomatte/"),
 ])
 def test_a_broken_file_is_told_by_its_key(tmp_path, path, change, said):
     header, arrays = parts_of(path)
@@ -199,7 +233,29 @@ def test_shares_that_make_no_picture_are_told(tmp_path):
     assert not (tmp_path / "x.exr").exists() and not (tmp_path / "x.shshare").exists()
 
 
+# Of a share: which of its eleven numbers is another, or what stands instead of its bytes; and what is said
+ALTERED = [(0, 2, "its version must be 1"), (10, 2, "it is of another scene"), (2, 0, "it must be of a part"), (4, 8, "it must be of a part"), (5, 21, "it must be of a part"), (4, 1, "it must be of a part"),
+           (6, -1, "it must be of a part"), (7, 16, "it must be of a part"), (8, 17, "it must be of a part"), (9, 17, "it must be of a part"), (11, 4, "it must have the channels of its scene"),
+           (8, 15, "it must end with its last pixel"), (None, b"", "it is empty"), (None, b"shshare\n", "no share of a picture"), (None, b"SHSHARE\n" + bytes(99), "no share of a picture")]
+
+
+def test_shares_that_say_what_is_not_so_are_told(tmp_path, path):
+    name, = shared(tmp_path, path, [("--share", "0,1")])
+    whole = name.read_bytes()
+    for at, other, said in ALTERED:
+        numbers = np.frombuffer(whole[8:-4], np.int32).copy()
+        if at is not None:
+            numbers[at] = other
+            data = b"shshare\n" + numbers.tobytes()
+            other = data + zlib.crc32(data).to_bytes(4, "little")
+        name.write_bytes(other)
+        done = run(path, "-o", tmp_path / "x.exr", "--merge", name)
+        assert done.returncode == 1 and done.stderr.startswith(f"shade-render: {name}: {said}"), (at, said, done.stderr)
+
+
 @pytest.mark.parametrize("words, said", [
+    *((("--merge", "a.shshare", "-o", "x.exr", *more), "--merge expects one FILE.shshare") for more in (
+        ("--tile", "0,0,1,1"), ("--share", "0,1"), ("--samples", "4"), ("--seed", "0"), ("-o", "x.shshare"))),
     (("--share", "0,4", "-o", "x.exr"), "--share expects -o FILE.shshare"), (("--share", "4,4", "-o", "x.shshare"), "'4"),
     (("--merge", "-o", "x.exr"), "--merge expects one FILE.shshare"), (("-o", "x.shshare", "--passes", "Combined"), "a share has all passes")])
 def test_what_is_wrong_with_a_call_for_shares_is_told(path, words, said):
