@@ -299,6 +299,9 @@ class Layout:
         return Layout(self.drawn)
     column = row
 
+    def template_ID(self, _owner, name, new, open):
+        self._draw(f"{name}, {new}, {open}")
+
     def context_pointer_set(self, *_which):
         pass
 
@@ -782,6 +785,283 @@ def test_meshes_that_cycles_shades_by_other_normals():
         if sharp and later:
             mesh.attributes.new("sharp_edge", "BOOLEAN", "EDGE").data[1].value = True
         assert close(mesh_of._crossed(mesh), wanted if later else 0.0), (fins, sharp, mesh_of._crossed(mesh))
+
+
+def beside(node):
+    """A node as draw_buttons_ext knows it: Blender's own call of another function takes no stand-in for its context."""
+    kind = type(node)
+    return type("Node", (), {"__getattr__": lambda _self, name: getattr(node, name), "draw_buttons": lambda _self, *given: kind.draw_buttons(node, *given)})()
+
+
+def test_what_cloth_shows():
+    """How large it is by what Size counts, and of a real size its repeat, where one number says it; in the sidebar what a custom cloth is woven of, in older
+    files less. A yarn's numbers have panels of their own."""
+    common.empty_scene()
+    tree = common.tree_of(bpy.data.materials.new("cloth"))
+    node = tree.nodes.new("LibshadeFabricNode")
+
+    def shown(draw, **settings):
+        for name, value in settings.items():
+            setattr(node, name, value)
+        drawn = []
+        draw(beside(node), Of(scene=bpy.context.scene), Layout(drawn))
+        return drawn
+    kind, lines = type(node), ["In Cycles, EEVEE", "approximate"]
+    node.preset = "DENIM"
+    real = ["preset", "size_mode", "Repeat: 1.54 × 2.35 mm", *lines, "libshade.measure_cloth"]
+    assert shown(kind.draw_buttons) == real, shown(kind.draw_buttons)
+    node.inputs["Scale"].default_value = -2
+    assert shown(kind.draw_buttons)[2] == "Repeat: 0.769 × 1.18 mm"
+    for scale, linked in ((0, False), (1, True)):
+        node.inputs["Scale"].default_value = scale
+        if linked:
+            tree.links.new(tree.nodes.new("ShaderNodeValue").outputs[0], node.inputs["Scale"])
+        assert shown(kind.draw_buttons) == [*real[:2], *real[3:]], linked
+    assert shown(kind.draw_buttons, size_mode="LENGTH") == ["preset", "size_mode", "size", *lines]
+    assert shown(kind.draw_buttons, size_mode="REPEATS") == (plain := ["preset", "size_mode", "repeats", *lines])
+    more = ["open_gaps", "distance", "weave", "libshade.import_wif", "ends_per_cm", "picks_per_cm", "libshade.convert_to_group", "wm.url_open"]
+    assert shown(kind.draw_buttons_ext) == plain + more
+    assert shown(kind.draw_buttons_ext, weave="DRAFT") == [*plain, *more[:3], "draft, text.new, text.open", "draft_colors", *more[3:]]
+    assert shown(kind.draw_buttons_ext, based_on="") == [*plain, *more[:2], *more[-2:]]
+    for name in ("warp", "weft"):
+        panel, drawn = getattr(module("fabric.node"), f"NODE_PT_libshade_{name}"), []
+        assert [panel.poll(Of(active_node=node)) for node.based_on in ("", "DENIM")] == [False, True] and panel.bl_label == name.title()
+        panel.draw(Of(layout=Layout(drawn), yarn=panel.yarn), Of(active_node=node))
+        assert drawn[:2] == [f"{name}_width", f"{name}_gap"] and {word.split("_")[0] for word in drawn} == {name} and len(drawn) == 17, drawn
+    node.node_tree = bpy.data.node_groups.new("older", "ShaderNodeTree")
+    assert shown(kind.draw_buttons) == ["preset", "size"] and shown(kind.draw_buttons_ext)[2:5] == ["transmission", "open_gaps", "distance"]
+
+
+def test_what_scratches_show():
+    """That images are to be baked, which there are or that they are outdated; in the sidebar how large the square is and how many scratches it has at most."""
+    scene, field = common.empty_scene(), module("scratches.node")
+    tree = common.tree_of(bpy.data.materials.new("scratched"))
+    node = tree.nodes.new(module("scratches").SCRATCHES)
+    kind = type(node)
+
+    def shown(draw, plain, stale=False):
+        drawn, plan = [], {"tile": 0.064, "fewer": fewer[0], "density": 1234.0}
+        with replaced(field, scratch_tree=Of(is_plain=lambda _tree: plain), is_stale=lambda _node, _scene: stale, _native=Of(scratches=lambda _said: plan)):
+            draw(beside(node), Of(scene=scene), Layout(drawn))
+        return drawn
+    fewer, first = [False], ["libshade.scratches_preset", "unit", "size", "seed"]
+    assert shown(kind.draw_buttons, True) == [*first, "Not in Cycles, EEVEE", "until baked", "libshade.bake_scratches"]
+    node.baked = "[[], 1, 0.0125]"
+    again = ["libshade.bake_scratches", "libshade.drop_scratch_images"]
+    assert shown(kind.draw_buttons, False) == [*first, "Baked: 1.25 cm tile", *again]
+    assert shown(kind.draw_buttons, False, True) == [*first, "Images are outdated", *again]
+    end = ["tile", "Repeats every 6.4 cm", "libshade.convert_to_group", "wm.url_open"]
+    assert shown(kind.draw_buttons_ext, False, True) == [*first, "Images are outdated", *again, "uv_map", *end]
+    node.unit, fewer[0] = "METRES", True
+    del first[2]
+    assert shown(kind.draw_buttons_ext, False, True) == [*first, "Images are outdated", *again, *end[:2], "Only 1,234 per cm²", *end[2:]]
+
+
+def test_what_cameras_objects_and_preferences_show():
+    """Of a panorama what its type reads; which rays see a thing, by their names; a library to add, or the one that there is."""
+    common.empty_scene()
+    panels, assets = module("panels"), module("assets")
+
+    def shown(draw, owner, context):
+        drawn = []
+        owner.layout = Layout(drawn)
+        draw(owner, context)
+        return drawn
+    panorama, camera = panels.DATA_PT_libshade_panorama, bpy.data.cameras.new("around")
+    camera.type = "PANO"
+    settings = panorama.settings(camera)
+    assert settings == (camera if hasattr(camera, "panorama_type") else camera.cycles)
+    read = {"FISHEYE_EQUIDISTANT": {"fisheye_fov"}, "FISHEYE_EQUISOLID": {"fisheye_lens", "fisheye_fov"}, "MIRRORBALL": set(),
+            "EQUIRECTANGULAR": {"longitude_min", "longitude_max", "latitude_min", "latitude_max"},
+            "FISHEYE_LENS_POLYNOMIAL": {"fisheye_fov", *(f"fisheye_polynomial_k{k}" for k in range(5))}}
+    if "CENTRAL_CYLINDRICAL" in settings.bl_rna.properties["panorama_type"].enum_items:
+        read["CENTRAL_CYLINDRICAL"] = {"central_cylindrical_radius", *(f"central_cylindrical_range_{axis}_{end}" for axis in "uv" for end in ("min", "max"))}
+    for settings.panorama_type, wanted in read.items():
+        drawn = shown(panorama.draw, Of(settings=panorama.settings), Of(camera=camera))
+        assert drawn[0] == "panorama_type" and set(drawn[1:]) == wanted and len(drawn) == 1 + len(wanted), drawn
+    assert [bool(panorama.poll(Of(engine="LIBSHADE", camera=of))) for of in (camera, bpy.data.cameras.new("lens"), None)] == [True, False, False]
+    ob, world = bpy.data.objects.new("thing", None), bpy.data.worlds.new("world")
+    kinds = ("camera", "diffuse", "glossy", "transmission", "shadow")
+    for panel, context, wanted in ((panels.OBJECT_PT_libshade_visibility, Of(object=ob), [*(f"visible_{kind}" for kind in kinds), "is_holdout", "is_shadow_catcher"]),
+                                   (panels.WORLD_PT_libshade_visibility, Of(world=world), [kind for kind in kinds if hasattr(world.cycles_visibility, kind)])):
+        assert shown(panel.draw, Of(of=panel.of), context) == wanted
+    assert not panels.WORLD_PT_libshade_visibility.poll(Of(engine="LIBSHADE", world=None))
+    assert shown(panels.RENDER_PT_libshade_sampling.draw_header_preset, Of(), None) == ["wm.url_open"]
+    for library, updated in ((None, False), (Of(), False), (None, True)):
+        buttons = ["Asset library: Libshade", "libshade.remove_assets"] if library else ["libshade.add_assets"]
+        with replaced(assets, registered=lambda library=library: library, sys=Of(modules={assets.__package__: Of(updated=updated)})):
+            found = shown(assets.LibshadePreferences.draw, Of(), None)
+        assert found == ["Updated: until Blender is started again the version before runs"] * updated + [*buttons, "wm.url_open", "timings"], found
+
+
+def test_where_buttons_lead():
+    """What an Add menu adds follows the mouse; the manual is opened where it tells of this; grooves are made, or taken away."""
+    asked = []
+
+    class Menu:
+        operator_context = None
+
+        def operator(self, name, text=None, **_more):
+            asked.append(Of(name=name, text=text, context=self.operator_context))
+            return asked[-1]
+
+        def separator(self):
+            pass
+    module("own_node").add_button(Menu(), "Kind", "Label")
+    assert vars(asked.pop()) == {"name": "node.add_node", "text": "Label", "context": "INVOKE_DEFAULT", "type": "Kind", "use_transform": True}
+    module("manual").draw_button(Menu(), "blender/metal.html#preset", "")
+    manual = asked.pop()
+    assert manual.name == "wm.url_open" and manual.text == "" and manual.url.startswith("file:///") and manual.url.endswith("/manual/blender/metal.html#preset")
+    groove = module("groove")
+    for kind, wanted in (("ShaderNodeTree", [(False, None), (True, "Take Libshade Groove Away")]), ("GeometryNodeTree", [])):
+        groove._draw_menu(Of(layout=Menu()), Of(space_data=Of(tree_type=kind)))
+        assert [(one.take_away, one.text) for one in asked] == wanted and all(one.name == "libshade.follow_bumps" for one in asked)
+        asked.clear()
+        for draw, name in ((groove._draw_add_menu, "libshade.add_groove"), (module("nodes")._draw_add_menu, "node.add_node"), (module("fabric.node")._draw_add_menu, "node.add_node"),
+                           (module("scratches.node")._draw_add_menu, "node.add_node")):
+            draw(Of(layout=Menu()), Of(space_data=Of(tree_type=kind)))
+            assert [(one.name, one.context) for one in asked] == ([(name, "INVOKE_DEFAULT")] if wanted else []), name
+            asked.clear()
+    tells = module("report").TellsOfNothing()
+    tells.report, said = lambda kind, text: said.append((*kind, text)), []
+    tells.execute = lambda _context: tells.nothing("none")
+    assert tells.execute(None) == tells.invoke(None, None) == {"CANCELLED"} and said == [("WARNING", "none"), ("ERROR", "none")]
+
+
+def test_what_operators_say_of_their_work():
+    """How many; one shader is no shaders."""
+    common.empty_scene()
+    nodes, groove, said = module("nodes"), module("groove"), []
+    fake = lambda **settings: Of(report=lambda kind, text: said.append((*kind, text)), nothing=said.append, **settings)
+    for take_away, strokes, count, words in ((False, "TANGENT", 1, ("INFO", "Libshade Groove put before 1 shader")), (True, "ACROSS", 2, ("INFO", "Libshade Groove taken from 2 shaders")),
+                                             (True, "TANGENT", 0, "Nothing to take away: no Libshade Groove is in the file"),
+                                             (False, "ACROSS", 0, "Nothing to do: no anisotropic shader has a linked Normal (Libshade Metal needs no Libshade Groove)")):
+        asked = []
+        with replaced(groove, _trees=lambda: ["tree"], place=lambda _tree, name, asked=asked, count=count: asked.append(name) or count,
+                      take_away=lambda _tree, count=count: count, drop_patterns=lambda: None):
+            groove.LIBSHADE_OT_follow_bumps.execute(fake(take_away=take_away, strokes=strokes), None)
+        assert said == [words] and asked == ([] if take_away else ["Tangent" if strokes == "TANGENT" else "Strokes Across"])
+        said.clear()
+    _material, tree, _node = common.metal("steel")
+    group = bpy.data.node_groups.new("inside", "ShaderNodeTree")
+    group.nodes.new("LibshadeMetalNode")
+    renewed = []
+    with replaced(nodes, UPDATES={"LibshadeMetalNode": (lambda node: node.id_data == group, lambda tree, _node: renewed.append(tree))}):
+        nodes.LIBSHADE_OT_update_nodes.execute(fake(), None)
+        assert renewed == [group] and said.pop() == ("INFO", "Updated 1 Libshade node(s)")
+        group.nodes.clear()
+        nodes.LIBSHADE_OT_update_nodes.execute(fake(), None)
+        assert said.pop() == "No Libshade node is of an older version"
+    convert = nodes.LIBSHADE_OT_convert_to_group.execute
+    convert(fake(all_materials=True), bpy.context)
+    assert said.pop() == ("INFO", "Converted 1 Libshade node(s)") and tree.nodes["Libshade Metal"].bl_idname == "ShaderNodeGroup"
+    convert(fake(all_materials=True), bpy.context)
+    convert(fake(all_materials=False), Of(object=None))
+    assert said == ["No Libshade node here to convert"] * 2
+
+
+def test_what_importing_a_draft_says():
+    """What was mended, or whose draft it is now; what is wrong by the file; a size that the file does not state, by what it is; colours of yarns become white
+    where the draft's are to be seen. Files of more than 64 MiB are none."""
+    common.empty_scene()
+    draft, said = module("fabric.draft"), []
+    tree = common.tree_of(bpy.data.materials.new("cloth"))
+    node, folder = tree.nodes.new("LibshadeFabricNode"), bpy.app.tempdir
+    found = {"counts": (14.0, 7.0), "widths": [(0.3, 0.1), (0.2, 0.6)], "colored": True, "sett": "spacing", "mended": ""}
+
+    def imported(name="one.wif", data=b"[WIF]\r\nx=1\ry=2", **changes):
+        path = os.path.join(folder, name)
+        with open(path, "wb") as file:
+            file.write(data)
+        with replaced(draft, _native=Of(wif=lambda *_given: {**found, **changes}), _MOST_BYTES=1 << 20):
+            return draft.import_wif(node, path)
+    before = tuple(node.inputs["Warp Color"].default_value)
+    node.draft_colors = False
+    assert imported() == "" and tuple(node.inputs["Warp Color"].default_value) == before
+    assert node.draft.name == "one.wif" and node.draft.as_string().split("\n")[:3] == ["[WIF]", "x=1", "y=2"] and node.draft.current_line_index == 0
+    assert close((node.ends_per_cm, node.picks_per_cm, node.warp_width, node.warp_gap, node.weft_width, node.weft_gap), (14, 7, 0.75, 0.25, 0.25, 0.75))
+    node.draft_colors = True
+    assert imported(colored=False) == "" and tuple(node.inputs["Warp Color"].default_value) == before
+    assert imported(mended="3 were mended") == "3 were mended" and all(close(node.inputs[f"{yarn} Color"].default_value, (0.8, 0.8, 0.8, 1)) for yarn in ("Warp", "Weft"))
+    square = "no spacing: square crossings as wide as the yarns are thick, 14 to the centimetre"
+    even = "neither spacing nor thickness: as many crossings as before, but square, 14 to the centimetre"
+    assert imported(sett="thickness") == f"one.wif: {square}" and imported(sett="even", mended="a") == f"a; {even}"
+    try:
+        imported(data=bytes((1 << 20) + 1))
+        raise AssertionError
+    except ValueError as error:
+        assert str(error) == "one.wif: more than 1 MiB; a Weaving Information File was expected"
+    assert imported(data=bytes(1 << 20), name="two.wif") == "" and draft._MOST_BYTES == 64 << 20
+    fake = Of(material="cloth", group="", node=node.name, filepath="/no/such.wif", report=lambda kind, text: said.append((*kind, text)))
+    execute = draft.LIBSHADE_OT_import_wif.execute
+    for answer, change, words in (("mended so", {}, ("WARNING", "mended so")), ("", {}, ("INFO", f"'{node.draft.name}' is the draft of this cloth")),
+                                  (ValueError("line 3"), {}, ("ERROR", "line 3")), (OSError(2, "No such file"), {}, ("ERROR", "/no/such.wif: No such file")),
+                                  (OSError("odd"), {}, ("ERROR", "/no/such.wif: odd")), ("", {"node": "none"}, ("ERROR", "No Libshade Fabric node is chosen"))):
+        def answered(_node, _path, answer=answer):
+            if isinstance(answer, Exception):
+                raise answer
+            return answer
+        with replaced(draft, import_wif=answered):
+            assert execute(Of(**{**vars(fake), **change}), Of(node=None, active_node=None)) == ({"FINISHED"} if words[0] in ("INFO", "WARNING") else {"CANCELLED"})
+        assert said.pop() == words
+
+
+def test_when_images_of_cloth_are_made_and_go():
+    """While a window renders none are made that are not there; what nothing has used goes after five seconds, and not while something renders for good."""
+    maps, now = module("fabric.maps"), [100.0]
+    made = {"tilt": ("a", b""), "yarns": ("b", b""), "tint": None}
+    for background, running, there, may in ((True, True, (), True), (False, False, (), True), (False, True, ("a", "b"), True), (False, True, ("a",), False)):
+        app = Of(background=background, is_job_running=lambda word, running=running: running and word == "RENDER")
+        with replaced(maps, bpy=Of(app=app), _there=lambda key, there=there: key in there):
+            assert maps.may_show(made) == may, (background, running, there)
+    removed, images, running = [], [Of(name="old"), Of(name="new")], [False]
+    fake = Of(app=Of(is_job_running=lambda word: running[0] and word == "RENDER"), data=Of(images=Of(remove=lambda image: removed.append(image.name))))
+    with replaced(maps, bpy=fake, time=Of(monotonic=lambda: now[0]), _unused=lambda: images, _since={}):
+        for seconds, busy, wanted in ((0, False, []), (5, False, []), (5.5, True, []), (5.5, False, ["old", "new"])):
+            now[0], running[0] = 100 + seconds, busy
+            maps.sweep()
+            assert removed == wanted, (seconds, busy)
+        del images[:], removed[:]
+        maps.sweep()
+        images.append(Of(name="old"))  # one of that name again: from then on
+        now[0] += 5
+        maps.sweep()
+        assert not removed and maps._since == {"old": now[0]}
+
+
+def test_lights_for_some_objects():
+    """Thirty sets are kept apart, the next lights all; what a set leaves out is never lit, whoever instances it."""
+    light, messages = module("export.light"), module("export.messages").Messages()
+    things = [type("Thing", (), {"name": f"thing {k}", "type": "MESH"})() for k in range(3)]
+    for thing in things:
+        thing.original = thing
+
+    def lamp(name, kind="LIGHT", **collections):
+        made = Of(name=name, type=kind)
+        made.original = Of(light_linking=Of(receiver_collection=None, blocker_collection=None) if collections is not None else None)
+        for word, objects in collections.items():
+            state = {"INCLUDE": [things[k] for k in objects if k >= 0], "EXCLUDE": [things[~k] for k in objects if k < 0]}
+            listed = state["INCLUDE"] + state["EXCLUDE"]
+            how = [Of(light_linking=Of(link_state=word)) for word in ("INCLUDE", "EXCLUDE") for _ in state[word]]
+            collection = type("Collection", (), {"objects": listed, "collection_objects": how, "children": [], "collection_children": []})()
+            setattr(made.original.light_linking, f"{word}_collection", collection)
+        return made
+    links = light.Links(messages)
+    assert links.of_light(lamp("for all")) == {}
+    first = lamp("first", receiver=[0])
+    assert links.of_light(first) == {"link": 0} == links.of_light(first)
+    assert links.of_light(lamp("second", receiver=[-2], blocker=[1])) == {"link": 1, "shade": 0}
+    wanted = [{"shadeless": 1}, {"unlit": 3}, {"unlit": 1, "shadeless": 1}]
+    assert [links.of_object(thing, None) for thing in things] == wanted
+    assert links.of_object(things[2], things[0]) == {"shadeless": 1} and links.of_object(things[0], things[1]) == {"unlit": 2}
+    assert [links.of_light(lamp("more", receiver=[0])) for _ in range(2, 30)] == [{"link": k} for k in range(2, 30)] and not messages.warnings
+    assert links.of_light(lamp("last", receiver=[0])) == {} == links.of_light(lamp("ball", "MESH", receiver=[0]))
+    words = "the light linking of 30 sets of lights is supported; it lights all"
+    assert list(messages.warnings) == [f"light 'last': {words}", f"object 'ball': {words}"]
+    messages = module("export.messages").Messages()
+    for kind in ("", "HEMI"):
+        assert light.light_of(Of(name="sky", data=Of(type=kind)), None, None, None, None, messages) == []
+    assert list(messages.warnings) == ["light 'sky': hemi lights are not supported, only sun and point and spot and area"]
 
 
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
