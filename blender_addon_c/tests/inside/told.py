@@ -1064,6 +1064,206 @@ def test_lights_for_some_objects():
     assert list(messages.warnings) == ["light 'sky': hemi lights are not supported, only sun and point and spot and area"]
 
 
+def test_pictures_share_the_time_that_is_left():
+    """Of those that are composed each gets an even part of what is left; Esc leaves the last one as it is. What a picture of its own is said to be goes on, and
+    its job is freed whatever happens."""
+    engine, now, asked = module("engine"), [50.0], []
+    views = {"with": {"time_limit": 12.0, "name": "with"}, "without": {"time_limit": 12.0, "name": "without"}, "others": {"time_limit": 12.0, "name": "others"}}
+
+    for seconds, answer, wanted, done in ((2.0, {}, [("with", 4), ("without", 5)], (True, 8)), (20.0, {}, [("with", 4), ("without", 0.05)], (True, 0.1)),
+                                          (2.0, {"with": None}, [("with", 4)], (False, 12))):
+        def picture(scene, _count, _messages, seconds=seconds, answer=answer):
+            asked.append((scene["name"], scene.get("time_limit")))
+            now[0] += seconds
+            return answer.get(scene["name"], "picture")
+        asked.clear()
+        with replaced(engine, time=Of(perf_counter=lambda: now[0])):
+            pictures = {}
+            finished, last = engine.LibshadeEngine._pictures(Of(_picture=picture), views, pictures, 4, None)
+        assert [name for name, _limit in asked] == [name for name, _limit in wanted] and close([limit for _name, limit in asked], [limit for _name, limit in wanted]), asked
+        assert (finished, round(last["time_limit"], 6)) == done and last["name"] == "others" and set(pictures) == {name for name, _limit in wanted}
+    assert engine._within({"samples": 4}, 0.0, 2) == {"samples": 4}
+    freed, said = [], []
+    for state, answer in (({"state": "done", "warnings": ["odd"]}, True), ({"state": "cancelled", "warnings": []}, None), ({"state": "failed", "warnings": [], "message": "bad"}, "bad")):
+        freed.clear()
+        native = Of(image=lambda _job, pixels: pixels.__setitem__(slice(None), 2), free=freed.append)
+        with replaced(engine, _native=native, _start=lambda scene: scene):
+            fake = Of(_wait=lambda _job, result, _pixels, state=state: state if result is None else None)
+            try:
+                found = engine.LibshadeEngine._picture(fake, "job", 8, Of(warning=said.append))
+                assert (found.tolist() == [[2] * 4] * 2) if answer else found is None
+            except module("export").SceneError as error:
+                assert str(error) == answer == "bad"
+        assert freed == ["job"]
+    assert said == ["odd"]
+    groups, aov = Of(names_of=lambda _layer: ["left"], pass_of=lambda name: f"Combined_{name}", view=lambda _scene, name: f"light of {name}"), Of(view=lambda _scene, kind, materials: (kind, *materials))
+    passes = [Of(name="tone", channels="X"), Of(name="paint", channels="RGBA"), Of(name="Combined_left", channels="RGB")]
+    with replaced(module("export"), aov=aov, groups=groups):
+        found = list(engine._others({"aovs": {("tone", "VALUE"): ["m"], ("paint", "COLOR"): ["n"]}}, passes, None, 2.5))
+    assert found == [(("VALUE", "m"), "tone", "X", 1.0), (("COLOR", "n"), "paint", "RGBA", 1.0), ("light of left", "Combined_left", "RGB", 2.5)]
+
+
+def test_what_a_viewport_puts_where():
+    """Pixels that are not there yet are those of the picture before, exposed, but not what covers them; a coarse one is as large as the view."""
+    viewport, made, asked = module("viewport"), [], []
+    view = viewport._View((100, 60), None, None, None, (0, 0, 100, 60))
+    shown = viewport.Viewport()
+    shown._job, shown._exposure = "job", 2.0
+
+    def image(_job, pixels, name, parts):
+        asked.append((name, parts))
+        pixels[0, 0] = 0.5
+        if not parts:
+            pixels[:], pixels[-1] = [1, 2, 3, 0.5], [3, 3, 3, 1]
+    buffer = lambda kind, count, numbers: made.append((kind, np.array(numbers).reshape(-1, 4))) or made[-1]
+    fake = Of(types=Of(Buffer=buffer, GPUTexture=lambda size, format, data: (size, format)))
+    with replaced(viewport, gpu=fake, _native=Of(image=image)):
+        shown._made, shown._finished = viewport._picture(view, 50, 9), True
+        shown._fetch()
+        assert shown._texture == ((2, 2), "RGBA16F") and shown._place == (0, 0, 100, 60) and made[-1][1].tolist() == [[2, 4, 6, 0.5]] * 2 + [[6, 6, 6, 1]] * 2
+        before = shown._whole.copy()
+        shown._made, shown._finished = viewport._Picture(view, (4, 2), (0, 0, 4, 2), 1, 9), False
+        shown._fetch()
+        assert asked == [("", False), ("", True)] and made[-1][1].tolist() == [[1, 1, 1, 0.5], *[[2, 4, 6, 0.5]] * 3, *[[6, 6, 6, 1]] * 4] and (shown._whole == before).all()
+        shown._exposure, shown._made = 1.0, viewport._Picture(view, (50, 30), (10, 5, 12, 7), 2, 1)
+        shown._fetch()
+        assert shown._place == (20, 10, 24, 14) and made[-1][1][1:].tolist() == [[1, 2, 3, 0.5], *[[3, 3, 3, 1]] * 2]
+    # where reading failed what is there is still refined, where the module did it is not
+    said, scene = [], common.empty_scene()
+    for reading in (True, False):
+        shown._job, shown._scene, shown._waiting, shown._is_reading = "job", "scene", True, reading
+        with replaced(module("report"), failure=lambda error: (str(error), "lines"), keep_failure=lambda *words: said.append(words)):
+            shown._give_up(ValueError("bad"), scene)
+        assert (shown._job, shown._scene) == (("job", "scene") if reading else (None, None)) and not shown._waiting and not shown._is_reading and shown._error == "bad"
+    assert said == [(scene, "bad", "lines")] * 2
+    shown._changed = False
+    kept = shown._kept = Of(changed=lambda _depsgraph: 1 / 0)
+    shown.scene_changed(None)
+    assert shown._changed and shown._kept is not kept
+
+
+def test_what_is_said_of_worlds_lamps_and_shaders():
+    """What cannot be read is black, and says why; what a lamp is told in vain."""
+    world_of, messages = module("export.world"), module("export.messages").Messages()
+    scene = common.empty_scene()
+    world = bpy.data.worlds.new("sky")
+    tree = common.tree_of(world)
+    table = Of(unknown=Of(name=lambda *_which: None))
+    for error, why in ((ValueError("odd"), "odd"), (RecursionError(), "its nodes are too many"), (module("export.graph").TooLarge(), "its nodes are too many")):
+        def fails(*_which, error=error):
+            raise error
+        with replaced(world_of, _Reader=fails):
+            assert world_of.world_of(world, table, messages) == {"background": (0, 0, 0), "sky_hidden": 0}
+        assert list(messages.warnings)[-1] == f"world 'sky': {why}; black"
+    tree.links.new(tree.nodes.new("ShaderNodeVolumeScatter").outputs[0], tree.get_output_node("ALL").inputs["Volume"])
+    scene.world = world
+    common.camera(scene)
+    common.light(scene)
+    assert read(scene)[1] == ["world 'sky': volumes are not supported; left out"]
+    around, said = module("export.around"), []
+    falls = Of(name="Falloff")
+    for output, smooth, own, gain, warned in (("Quadratic", 0.0, False, None, False), ("Quadratic", 0.5, False, None, True), ("Linear", 0.0, False, None, True), ("Quadratic", "r", False, None, True),
+                                              ("Linear", 0.5, True, (1, 0.5), False), ("Constant", -1.0, True, (2, 0.0), False), ("Quadratic", 3.0, True, (0, 3.0), False), ("Constant", "r", True, None, True)):
+        said.clear()
+        reader = Of(falls=falls if own else None, gain=None, warn=said.append)
+        with replaced(around, number_in=lambda _reader, _found, name, smooth=smooth: smooth if name == "Smooth" else 7.0, is_known=lambda number: number != "r"):
+            assert around._light_falloff(reader, Of(node=falls, output=Of(name=output))) == (7.0,)
+        assert (reader.gain and (reader.gain["gain"], reader.gain["smooth"])) == gain, (output, smooth, own)
+        assert said == ["'Falloff': lamps fall off as light does, without smoothing"] * warned, (output, smooth, own)
+    path, emitted = around._light_path, []
+    for lamp, name, what, warned in ((False, "Is Glossy Ray", "GLOSSY", False), (True, "Is Camera Ray", "CAMERA", False), (True, "Is Glossy Ray", None, True), (False, "Is Shadow Ray", None, False),
+                                     (True, "Is Shadow Ray", None, True), (False, "Ray Length", None, True)):
+        said.clear()
+        reader = Of(lamp=lamp, asked=set(), warn=said.append, program=Of(emit=lambda _kind, _count, what: emitted.append(what) or ["register"]))
+        assert path(reader, Of(node=Of(name="Path"), output=Of(name=name))) == ("register",) and emitted.pop() == what and reader.asked == ({what} if what else set())
+        assert said == [f"'Path' ({name}) is not supported; 0"] * warned, (lamp, name)
+
+
+def test_what_is_said_of_meshes_and_materials():
+    """Places that are no numbers, what is not there or cannot be read, an index that nothing has."""
+    scene = common.empty_scene()
+    common.camera(scene)
+    common.light(scene)
+    material, tree, showing = common.shown(False, "lit")
+    attribute = tree.nodes.new("ShaderNodeAttribute")
+    attribute.attribute_name = "tone"
+    tree.links.new(attribute.outputs["Color"], showing)
+    plate = common.plane(material)
+    plate.name = "plate"
+    assert read(scene)[1] == ["object 'plate' has no attribute 'tone'; 0 is used"]
+    plate.data.attributes.new("tone", "FLOAT", "POINT")
+    assert read(scene)[1] == []
+    plate.data.vertices[1].co.x = math.nan
+    plate.data.update()
+    assert "object 'plate': some of its vertices have no valid position" in read(scene)[1]
+    plate.data.vertices[1].co.x = 1
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = bpy.data.images.new("grey", 2, 2)
+    texture.image.pack()
+    tree.links.new(texture.outputs["Color"], showing)
+    assert read(scene)[1] == []
+    plate.data.uv_layers.remove(plate.data.uv_layers[0])
+    plate.data.update()
+    assert read(scene)[1] == ["object 'plate': textures need a UV map: each shows one point only"]
+    tree.links.remove(showing.links[0])
+    assert read(scene)[1] == []
+    plate.matrix_world[0][3] = math.inf
+    assert read(scene)[1][0] == "object 'plate': its place is not a number; left out"
+    plate.matrix_world[0][3] = 0
+    glass = bpy.data.materials.new("glass")
+    nodes = common.tree_of(glass).nodes
+    shader, index = nodes["Principled BSDF"], nodes.new("ShaderNodeValue")
+    shader.inputs["Transmission" if "Transmission" in shader.inputs else "Transmission Weight"].default_value = 0.5
+    glass.node_tree.links.new(index.outputs[0], shader.inputs["IOR"])
+    common.plane(glass)
+    index_said = "an IOR of 0.05 has no meaning; what is transmitted is off from Cycles'"
+    if bpy.app.version < (4, 0):
+        index_said = "an IOR of -0.05 has no meaning: as Cycles of 3.4 does not show it (black), it is shaded as 1"
+    for index.outputs[0].default_value, said in ((1.5, False), (-0.05 if bpy.app.version < (4, 0) else 0.05, True)):
+        assert [text for text in read(scene)[1] if "material 'glass'" in text] == [
+            f"material 'glass': 'Principled BSDF': {index_said}"] * said, read(scene)[1]
+
+
+def test_what_instances_of_nodes_say():
+    """Each by its own number, where it has one; an instance within another says what it has, else the outer one does."""
+    made_of = module("export.attributes")._Made
+    value = lambda *numbers: Of(data=[Of(value=number) for number in numbers])
+
+    def cloud(count, shown, **attributes):
+        return Of(points=range(count), attributes={".reference_index": value(*shown), **attributes})
+
+    def geometry(of, *references):
+        return Of(instances_pointcloud=lambda: of, instance_references=lambda: references)
+    inner = geometry(cloud(2, (0, 0), tone=value(0.25, 0.75)), "mesh")
+    colors = Of(data=[Of(color=(k, k, k, 1)) for k in (1, 2, 3)])
+    made = made_of(geometry(cloud(3, (0, 1, 0), tone=value(5, 6, 7), paint=colors, id=value(40, 10, 10)), "mesh", inner))
+    none = 0x7fffffff
+    for ids, name, wanted in (([40], "tone", 5), ([10], "tone", 6), ([1, 10], "tone", 0.75), ([0, 10, none, none], "tone", 0.25), ([1, 10], "paint", (2, 2, 2, 1)),
+                              ([40], "paint", (1, 1, 1, 1)), ([7], "tone", None), ([], "tone", None), ([none], "tone", None), ([40], "other", None), ([5, 10], "tone", 6)):
+        assert made.value(ids, name) == wanted, (ids, name, made.value(ids, name))
+    assert made_of(geometry(cloud(2, (0, 0), tone=value(3, 4)), "mesh")).value([1], "tone") == 4 and made_of(geometry(None)).value([0], "tone") is None
+
+
+def test_what_layers_ask_in_vain():
+    """All at once, by Blender's names; mist is as its world says, and without one from the camera on."""
+    passes, messages = module("export.passes"), module("export.messages").Messages()
+    layer = Of(name="front", use_pass_shadow=True, aovs=[Of(name="tone", is_valid=False), Of(name="paint", is_valid=True)], libshade=Of(denoising_store_passes=True),
+               cycles=Of(use_pass_volume_direct=True))
+    for more in (False, True):
+        with replaced(module("versions"), MORE_TO_DENOISE=more):
+            passes.passes_left_out(layer, messages)
+    words = "view layer 'front': passes that are not rendered: Shadow, AOV 'tone', whose name another has, Volume Direct"
+    assert list(messages.warnings) == [words, f"{words}, Denoising Specular Albedo, Denoising Roughness"], list(messages.warnings)
+    planes = [Of(plane=plane) for plane in ("DEPTH", passes.NOISY, "OBJECT_MATTE00", passes.AOV, passes.CATCHER, "MIST")]
+    world = Of(mist_settings=Of(start=2.0, depth=3.0, falloff="QUADRATIC"))
+    for given, mist in ((world, {"start": 2, "depth": 3, "falloff": "QUADRATIC"}), (None, {"start": 0, "depth": 100, "falloff": "LINEAR"})):
+        assert passes.planes_of(planes, given) == {"planes": [{"type": "DEPTH"}, {"type": "MIST"}], "mist": mist}
+    assert passes.planes_of(planes[:1], world) == {"planes": [{"type": "DEPTH"}]}
+    assert passes.world_of_layer(Of(world=1), Of(world_override=2)) == 2 and passes.world_of_layer(Of(world=1), Of(world_override=None)) == passes.world_of_layer(Of(world=1), Of()) == 1
+    light = {plane: passes.is_light(Of(plane=plane)) for plane in ("EMISSION", "ENVIRONMENT", passes.NOISY, "DIFFUSE_DIRECT", "GLOSSY_INDIRECT", "DIFFUSE_COLOR", "DEPTH", "MIST", "NORMAL")}
+    assert [plane for plane, shines in light.items() if not shines] == ["DIFFUSE_COLOR", "DEPTH", "MIST", "NORMAL"]
+
+
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
     test()
     print(test.__name__, "done", flush=True)
