@@ -1264,6 +1264,48 @@ def test_what_layers_ask_in_vain():
     assert [plane for plane, shines in light.items() if not shines] == ["DIFFUSE_COLOR", "DEPTH", "MIST", "NORMAL"]
 
 
+def test_whose_trees_are_whose():
+    """Patterns that something has inside stay; a node's tree is its own before it changes, but for one that is linked as the node is."""
+    group, removed = module("group"), []
+
+    class Tree(dict):
+        users, library, name = 0, None, "tree"
+
+        def copy(self):
+            return "a copy"
+    used, unused, other = Tree(libshade_pattern="x"), Tree(libshade_pattern="x"), Tree()
+    used.users = 1
+    with replaced(group, bpy=Of(data=Of(node_groups=type("Groups", (list,), {"remove": lambda _self, tree: removed.append(tree)})([used, unused, other])))):
+        group.drop_patterns()
+    assert len(removed) == 1 and removed[0] is unused
+    tree = Tree()
+    for shares, holders, library, owner, own in ((True, 2, None, None, False), (True, 1, None, None, True), (False, 2, None, None, True), (False, 1, "a.blend", None, False),
+                                                 (False, 1, "a.blend", "a.blend", True)):
+        tree.library = library
+        node = Of(node_tree=tree, shares_tree=shares, id_data=Of(library=owner))
+        with replaced(group, _holders=lambda _tree, holders=holders: holders):
+            assert group.own_tree(node) is node.node_tree and (node.node_tree is tree) == own and node.shares_tree is False, (shares, holders, library, owner)
+    for library, name in ((None, "inside"), ("a.blend", ".inside")):
+        tree.library, tree.name = library, ".inside"
+        group.unhide(tree)
+        assert tree.name == name
+    told = Of(name="none")
+    lines = module("report").whole(told).split("\n")
+    words = lines[0].split()
+    assert len(lines) == 2 and not lines[1] and words[0] == "libshade" and words[1][0].isdigit() and words[2] in ("(avx512),", "(avx2),", "(sse2),", "(neon),")
+    assert lines[0].split(", ")[1] == f"Blender {bpy.app.version_string}"
+
+
+def test_what_cloths_and_fields_are_called_and_span():
+    node_of, field = module("fabric.node"), module("scratches.field")
+    for preset, weave, draft, name in (("SILK_CHARMEUSE", "DRAFT", None, "Silk"), ("CUSTOM", "DRAFT", Of(name="mine.wif"), "mine.wif"), ("CUSTOM", "DRAFT", None, "Draft"),
+                                       ("CUSTOM", "PLAIN", Of(name="mine.wif"), "Plain")):
+        assert node_of._woven(Of(preset=preset, weave=weave, draft=draft)).startswith(name), (preset, weave)
+    for tile, baked, wanted in ((0.5, "[1, 0.25]", 0.005), (0.0, "[1, 0.25]", 0.25), (math.nan, "[0.5]", 0.5), (0.0, "", 0.0), (0.0, "[]", 0.0), (0.0, "[null]", 0.0), (-1.0, "7", 0.0)):
+        assert close(field.tile_of(Of(tile=tile, baked=baked), 0.01), wanted), (tile, baked)
+    assert [field.metres(Of(unit=unit, size=size), 0.01) for unit, size in (("UV", 0.5), ("METRES", 0.5), ("UV", math.inf))] == [0.005, 0.01, 0.01]
+
+
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
     test()
     print(test.__name__, "done", flush=True)
