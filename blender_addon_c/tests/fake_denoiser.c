@@ -19,13 +19,16 @@ static struct {
   bool (*go_on)(void *, double);
   void *context;
 } filter;
+int fake_open, fake_threads; /* devices and filters that nobody has released; of the last device */
 
 void *oidnNewDevice(int type) {
   memset(&filter, 0, sizeof filter);
+  fake_open++;
   return type == 1 ? &filter : NULL;
 }
 void oidnSetDeviceInt(void *device, const char *name, int value) {
-  (void)device, (void)name, (void)value;
+  (void)device;
+  fake_threads = strcmp(name, "numThreads") == 0 ? value : -1;
 }
 void oidnCommitDevice(void *device) {
   (void)device;
@@ -37,8 +40,10 @@ int oidnGetDeviceError(void *device, const char **message) {
 }
 void oidnReleaseDevice(void *device) {
   (void)device;
+  fake_open--;
 }
 void *oidnNewFilter(void *device, const char *type) {
+  fake_open++;
   return strcmp(type, "RT") == 0 ? device : NULL;
 }
 void oidnSetSharedFilterImage(void *f, const char *name, void *data, int format, size_t width,
@@ -86,4 +91,5 @@ void oidnExecuteFilter(void *f) {
 }
 void oidnReleaseFilter(void *f) {
   (void)f;
+  fake_open--;
 }

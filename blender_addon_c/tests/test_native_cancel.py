@@ -2,6 +2,7 @@
 """Esc: a job ends at once wherever it is, and leaves a whole picture. What the denoiser gets and says, by one that stands in for
 Open Image Denoise (fake_denoiser.c)."""
 
+import ctypes
 import subprocess
 import time
 from pathlib import Path
@@ -65,7 +66,9 @@ def test_a_cancelled_render_ends_soon(name):
 def fake(tmp_path_factory):
     library = tmp_path_factory.mktemp("denoiser") / "fake.so"
     subprocess.run(["cc", "-fPIC", "-shared", Path(__file__).parent / "fake_denoiser.c", "-o", library], check=True)
-    return library
+    yield library
+    made = ctypes.CDLL(str(library))  # the same that the module has opened
+    assert ctypes.c_int.in_dll(made, "fake_open").value == 0, "what is done, fails or is cancelled is released"
 
 
 def denoised(path, samples=4, **changes):
@@ -85,9 +88,9 @@ def pictures(job):
 @pytest.mark.parametrize("before", ["", "?"])
 def test_what_the_denoiser_gets(fake, before):
     """The light as it is, and what surfaces are, pixel by pixel."""
-    job = denoised(f"{before}{fake}")
+    job = denoised(f"{before}{fake}", threads=3)
     state = finish(job)
-    assert state["state"] == "done" and not state["warnings"]
+    assert state["state"] == "done" and not state["warnings"] and ctypes.c_int.in_dll(ctypes.CDLL(str(fake)), "fake_threads").value == 3
     picture, noisy, albedo, normal = pictures(job)
     assert noisy[..., :3].max() > 1.5 and (np.ptp(albedo, (0, 1)) > 0.2).all() and (np.ptp(normal, (0, 1)) > 0.5).all()
     assert np.abs(noisy[8] - noisy[-9]).max() > 1e-3  # upside down it is another

@@ -26,7 +26,7 @@ from native_scenes import (
     vectors,
 )
 
-COST = 0.4
+COST = 0.8
 
 SHADE = ROOT / "build/shade"
 PIXELS = np.zeros((2, 2, 4), np.float32)
@@ -160,6 +160,34 @@ def change(path, value):
 def test_malformed_scene_says_where(path, value, message):
     with pytest.raises(ValueError, match=message):
         native.start(change(path, value))
+
+
+# What each number may be at least and at most, as export/ keeps to it; of what is whole the next ones are none
+WHOLE = {("width",): (1, 65536), ("height",): (1, 65536), ("samples",): (1, 65536), ("threads",): (0, 256), ("sky_hidden",): (0, 15), ("max_bounces",): (0, 1024),
+         ("diffuse_bounces",): (0, 1024), ("glossy_bounces",): (0, 1024), ("transmission_bounces",): (0, 1024), ("transparent_max_bounces",): (0, 1024),
+         ("adaptive_min_samples",): (1, 65536), ("matte_slots",): (1, 16), ("attributes",): (0, 1 << 20), ("camera", "blades"): (0, 1024), ("lights", 1, "hidden"): (0, 14),
+         ("lights", 1, "link"): (0, 29), ("lights", 1, "shade"): (0, 29), ("instances", 0, "link"): (0, 29), ("materials", 0, "pass_index"): (0, 32767),
+         ("instances", 0, "pass_index"): (0, 32767), ("instances", 0, "hidden"): (0, 31), ("instances", 0, "unlit"): (0, 2**30 - 1), ("instances", 0, "shadeless"): (0, 2**30 - 1)}
+NUMBERS = {("filter_width",): (0, 100), ("clear_glass",): (0, 1), ("time_limit",): (0, 1e9), ("texture_blur",): (0, 1e3), ("normal_blur",): (0, 1e3), ("line_time",): (0, 1),
+           ("camera", "focus"): (1e-6, 1e18), ("camera", "turn"): (-1e3, 1e3), ("instances", 0, "random"): (0, 1), ("sample_clamp_direct",): (0, 1e30),
+           ("sample_clamp_indirect",): (0, 1e30), ("adaptive_threshold",): (0, 1e30), ("light_sampling_threshold",): (0, 1e30), ("blur_glossy",): (0, 1e30), ("reach",): (0, 1e30)}
+
+
+@pytest.mark.parametrize("path", [*WHOLE, *NUMBERS])
+def test_what_a_number_may_be(path):
+    def started(value):
+        given = change(path, value)
+        given.update(region=(0, 0, 1, 1), mattes=[{"type": "OBJECT"}], **{"samples": 1, "matte_slots": 1} | {path[0]: given[path[0]]})
+        given["camera"] = {"lens": (0.1, 0.1), "focus": 1.0, "blades": 3, "turn": 0.0} | given["camera"]
+        job = native.start(given)
+        native.cancel(job)
+        native.free(job)
+    low, high = (WHOLE | NUMBERS)[path]
+    for value in (low, high if path in WHOLE else min(high, float(np.float32(high)))):
+        started(value)
+    for value in (low - 1, high + 1) if path in WHOLE else (low - 0.001, 1.001 * high):
+        with pytest.raises(ValueError, match=f"{path[-1]} must be (an integer )?from "):
+            started(value)
 
 
 def test_not_even_a_scene():

@@ -241,6 +241,19 @@ def test_faces_that_shine(surface, pieces, bounces):
     np.testing.assert_allclose(seen, truth, rtol=chance(0.01))
 
 
+@pytest.mark.parametrize("surface", ["wide", "matt"])
+def test_what_shines_by_several_closures_and_lamps_that_are_mirrored(surface):
+    """As bright as their sum is; to the same side as one that is not."""
+    truth = reflected(SURFACES[surface], lambda d: ray_meets("area", d))
+    several = {"name": "lamp", "nodes": [], "closures": [{"closure": "EMISSION", "weight": [part / 1.5] * 3} for part in (0.5, 1.25, 0.25)]}
+    seen = of_plate(SURFACES[surface], [], **panel(), materials=[SURFACES[surface], several], max_bounces=0)
+    np.testing.assert_allclose(seen, truth, rtol=chance(0.01))
+    lamp = LIGHTS["area"]
+    for name in ("axis_u", "axis_v"):
+        seen = of_plate(SURFACES[surface], [lamp | {name: tuple(-part for part in lamp[name])}])
+        np.testing.assert_allclose(seen, truth, rtol=chance(0.01))
+
+
 def test_faces_that_shine_beside_a_sun_and_a_sky():
     truth = reflected(SURFACES["wide"], lambda d: sum(ray_meets(kind, d) for kind in ("area", "sun")) + 0.2)
     seen = of_plate(SURFACES["wide"], [LIGHTS["sun"]], **panel(), samples=few(2048),
