@@ -244,6 +244,8 @@ def texture_text(material, folder, middle):
         raise ExportError(f"{what}: a textured Color cannot be written")
     colour = node.inputs["Color"].default_value[:3]
     bump = bump_image(node.inputs["Normal"], material, folder) if node.bump_response == "FOLLOW" else ""
+    if bump and node.horizon == "MUTUAL" and node.bumps_are == "SHAPE":
+        raise ExportError(f"{what}, Bumps Are: no block of POV-Ray's has a Shape; set it to Relief to write the rest")
     tangent, turn = tangent_text(node, middle, what)
     said = settings_of(node, what)
     specular = f"specular rgb {vector(colour)}\n      "

@@ -30,9 +30,9 @@ def normal_in(reader, node, groups, name="Normal"):
 
 def add(reader, closure, weight, normal=None, color=None):
     """weight: three parts, or one for all. What weighs nothing is left out. A `stock` metal is one of
-    Cycles' own shaders. color: in passes of colour, where it is not what the closure says, by its
-    weight."""
-    stock = closure.pop("stock", False)
+    Cycles' own shaders; of one with `shape` long slopes of bumps are the object's own. color: in passes of colour, where
+    it is not what the closure says, by its weight."""
+    stock, shape = closure.pop("stock", False), closure.pop("shape", False)
     if stock:
         closure |= {} if reader.transport and _is_drawn_out(closure) else {"detail": "gram_schmidt"}
         if reader.mutual and closure["f0"] != BLACK:
@@ -56,7 +56,8 @@ def add(reader, closure, weight, normal=None, color=None):
     if reader.colors and color:
         closure = {**closure, "pass_color": tuple(color)}
     if normal and _is_mutual(closure) and reader.program.reads(normal, _DRAWN):
-        closure = {**closure, "moment_from": tuple(reader.program.emit("RELIEF"))}
+        moment = reader.program.emit("RELIEF", 5, shape=True) if shape else reader.program.emit("RELIEF")
+        closure = {**closure, "moment_from": tuple(moment[:3]), **({"mean_from": tuple(moment[3:])} if shape else {})}
     reader.closures.append({**closure, "normal": normal} if normal else closure)
 
 

@@ -17,7 +17,8 @@ _DIP = 7 * (7 / 6) ** 6 / 126  # the mean over the directions of x (1 - x)^6 sca
 
 def metal(reader, node, groups, share):
     color = color_of(reader, node.inputs["Color"], groups)
-    settings, parts = {**nodes.settings(node), "stock": False, "fresnel": nodes.fresnel_of(node).lower()}, {"f0": color}
+    settings, parts = {**nodes.settings(node), "stock": False, "shape": node.bumps_are == "SHAPE",
+                       "fresnel": nodes.fresnel_of(node).lower()}, {"f0": color}
     if nodes.sockets_rule(node, nodes.SHAPE):
         parts["alpha"] = pulled(reader, node, groups, alpha_of(reader, node, groups))
     if is_worn(node):

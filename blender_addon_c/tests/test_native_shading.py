@@ -28,7 +28,7 @@ from native_scenes import (
     vectors,
 )
 
-COST = 4.7
+COST = 5.8
 
 F0 = (0.9, 0.6, 0.3)
 
@@ -177,6 +177,84 @@ def test_slopes_of_even_bumps_are_those_of_all(tmp_path):
     planes, header = dump(scene(images=[waves(1.2)], materials=[even]), tmp_path / "d.exr")
     np.testing.assert_allclose(json.loads(header)["materials"][0]["slopes"], [0, 0.1, 0.36, 0, 0.36], atol=0.02)
     assert "slopes.XX" not in planes
+
+
+SHAPE = {"nodes": [*material(normal_image=0)["nodes"], {"type": "RELIEF", "out": [[r] for r in range(20, 25)], "shape": True}],
+         "moment_from": [[20], [21], [22]], "mean_from": [[23], [24]]}
+
+
+def of_slopes(x, y):
+    return image((0.5 + 0.5 * unit(np.stack([-x, -y, np.ones_like(x)], -1))).astype(np.float32))
+
+
+def of_waves(size):
+    """Slopes of sin x sin y, finer than what else is there."""
+    x, y = (2 * np.pi * by * (np.arange(size) + 0.5) / size for by in (61, 67))
+    x, y = np.meshgrid(x, y)
+    return np.cos(x) * np.sin(y), np.sin(x) * np.cos(y)
+
+
+def shaped(periods, fine, size=1024):
+    """Long waves, .1 along y, and fine ones of so steep a slope: the map, and the long slopes at places of UV."""
+    def long(u, v):
+        x, y = 2 * np.pi * periods * u, 2 * np.pi * periods * v
+        return 0.5 * np.cos(x) * np.sin(y), 0.5 * np.sin(x) * np.cos(y) + 0.1  # of 0 periods none but .1
+    u, v = np.meshgrid(*[(np.arange(size) + 0.5) / size] * 2)
+    return of_slopes(*(a + fine * b for a, b in zip(long(u, v), of_waves(size)))), long
+
+
+def test_long_slopes_of_a_shape_are_no_bumps(tmp_path):
+    """The mean at each place is theirs and the moment that of the fine ones; from place to place there is no step."""
+    path = tmp_path / "d.exr"
+    for periods, fine, within in ((0, 0.6, 0.01), (1, 0.6, 0.03), (2, 0.0, 0.06)):
+        pixels, long = shaped(periods, fine)
+        metal = {**material(normal_image=0, ex=20.0, ey=20.0, horizon="mutual"), **SHAPE}
+        planes, _ = dump(scene(width=96, height=96, images=[pixels], materials=[metal]), path)
+        done = subprocess.run([ROOT / "build/shade", "check", path], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        inner = np.s_[8:-8, 8:-8]  # a window at the rim has one side
+        for axis, wanted in zip("XY", long(*(0.5 + 0.5 * planes[f"P.{axis}"] for axis in "XY"))):
+            found = planes[f"slopes.{axis}"]
+            assert np.sqrt(((found - wanted)[inner] ** 2).mean()) < within, (periods, fine, axis)
+            assert np.abs(np.diff(found)).max() < 2 * np.abs(np.diff(wanted)).max() + 0.01
+            moment = planes[f"slopes.{axis}{axis}"]
+            assert moment[inner].mean() == pytest.approx(fine**2 / 4, abs=0.05 * fine**2 + 2 * within**2), (periods, fine)
+            assert moment.min() >= 0
+
+
+def test_a_shape_without_bumps_is_hard(tmp_path):
+    """Of a map that leans as one, and of a flat one."""
+    path, light = tmp_path / "d.exr", sun(unit(np.array([0.3, 0.2, 0.4])))
+    even = np.ones((64, 64))
+    for pixels in (of_slopes(0.5 * even, 0.3 * even), of_slopes(0 * even, 0 * even)):
+        shaded = []
+        for how in ({"horizon": "hard"}, {"horizon": "mutual", **SHAPE}):
+            planes, _ = dump(scene(images=[pixels], materials=[{**material(normal_image=0, ex=20.0, ey=20.0), **how}], lights=[light]), path)
+            shaded.append(vectors(planes, "light0.S", "RGB"))
+        np.testing.assert_allclose(*shaded, rtol=1e-3)
+
+
+def test_a_shape_that_stands_free_is_shaded_as_such():
+    """A bowl upside down that was baked onto a plane, by fine bumps on a mesh of it: the picture from straight above."""
+    size, steep, (x, y) = 1024, 0.7, np.meshgrid(*[np.linspace(-1, 1, 65)] * 2)
+    fine = [0.4 * by for by in of_waves(size)]
+    on = np.meshgrid(*[(np.arange(size) + 0.5) / size * 2 - 1] * 2)
+    n = unit(np.stack([steep * on[0], steep * on[1], np.ones_like(on[0])], -1))
+    t = unit(np.stack([np.ones_like(on[0]), 0 * on[0], -steep * on[0]], -1))
+    baked = unit(n - fine[0][..., None] * t - fine[1][..., None] * np.cross(n, t))
+    at = np.arange(65 * 65).reshape(65, 65)
+    a, b, c, d = (part.ravel() for part in (at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]))
+    x, y = x.ravel(), y.ravel()
+    real = mesh(np.stack([x, y, -steep / 2 * (x * x + y * y)], 1), np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]),
+                unit(np.stack([steep * x, steep * y, np.ones_like(x)], -1)), np.stack([0.5 + 0.5 * x, 0.5 + 0.5 * y], 1))
+    rough = material(normal_image=0, mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(0.6,) * 3, ax=0.2, ay=0.2, horizon="mutual")
+    flat = image((0.5 + 0.5 * baked).astype(np.float32))
+    truth, relief, shape = (
+        render(scene(width=32, height=32, samples=64, camera=ortho(0.98), lights=[sun((1, 0, 3**0.5))], images=[pixels],
+                     materials=[rough | how], meshes=[on_what]))[0][..., 0].reshape(8, 4, 8, 4).mean((1, 3))
+        for pixels, how, on_what in ((of_slopes(*fine), {}, real), (flat, {}, square()), (flat, SHAPE, square())))
+    off = [np.abs(each - truth).mean() / truth.mean() for each in (relief, shape)]
+    assert off[1] < 0.1 and off[1] < off[0] / 2, off
 
 
 def test_bumps_that_shade_each_other_lose_no_light():

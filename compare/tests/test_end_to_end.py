@@ -112,6 +112,8 @@ CANNOT = [
      f"{NODES}['Libshade Metal'].inputs['Roughness'])",
      "material 'Fine, bumped', Roughness: what is linked cannot be written"),
     (f"{NODES}['Libshade Metal'].strokes = 0.5", "material 'Fine, bumped', Strokes: no block of POV-Ray's has them"),
+    (f"n = {NODES}['Libshade Metal']; n.horizon, n.bumps_are = 'MUTUAL', 'SHAPE'",
+     "material 'Fine, bumped', Bumps Are: no block of POV-Ray's has a Shape"),
     ("bpy.data.materials['Across'].node_tree.nodes.clear()",
      "material 'Across': it has no Libshade Metal node"),
 ]

@@ -6,7 +6,8 @@
  * that are not seen one by one widen a lobe of Gaussian slopes along the frame's x and y, as nodes
  * write it; `slopes`, of horizon `mutual`, five numbers: the mean slope along x and y of all bumps
  * and their second moment, xx, xy, yy, about it; else they are found (render/relief.h); and
- * `moment_from`, three operands, that of a RELIEF node, which counts where bumps are uneven.
+ * `moment_from`, three operands, that of a RELIEF node, which counts where bumps are uneven, and
+ * `mean_from`, two, the mean of one whose long slopes are the surface's shape.
  * `apart`: Smith's shadowing of each direction by itself, as Cycles' GGX and Beckmann had it
  * until 3.6, not of both together. `film_thickness` and, with it, what else node/interference.h
  * reads: what it reflects is by that, too; of the metal f0 counts, no Fresnel.
@@ -32,7 +33,7 @@
 typedef struct closure_metal {
   shade_params params;
   shade_bsdf bsdf;
-  operand f0[3], kd[3], f82[3], eta[3], k[3], ax, ay, groove[2], spread[2], moment[3];
+  operand f0[3], kd[3], f82[3], eta[3], k[3], ax, ay, groove[2], spread[2], moment[3], mean[2];
   bool grooved, apart, spreads, facets; /* facets: the BRDF is microfacet */
   const float *albedo;                  /* of a lobe that loses light as it spreads, or NULL */
   thin_film film;
@@ -96,6 +97,14 @@ static inline bool closure_metal_from(reader *r, const graph *g, const char *key
   return !reader_has(r, key) || graph_operands(r, g, key, count, out);
 }
 
+/* Its slopes are those of its parameters, at every point. */
+static inline void closure_metal_even(closure_metal *c) {
+  for (int k = 0; k < 3; k++)
+    c->moment[k].at = OPERAND_NUMBER;
+  for (int k = 0; k < 2; k++)
+    c->mean[k].at = OPERAND_NUMBER;
+}
+
 /* What is known of it before its nodes have run. A matt body alone counts as diffuse; of a mirror
  * the colour head-on says how much light it may gather. */
 static inline void closure_metal_tell(const closure_metal *c, graph *g) {
@@ -133,6 +142,7 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g) {
       !closure_metal_from(r, g, "groove_from", 2, c->groove) ||
       !closure_metal_from(r, g, "spread_from", 2, c->spread) ||
       !closure_metal_from(r, g, "moment_from", 3, c->moment) ||
+      !closure_metal_from(r, g, "mean_from", 2, c->mean) ||
       !closure_metal_from(r, g, "ax_from", 1, &c->ax) ||
       !closure_metal_from(r, g, "ay_from", 1, &c->ay) || !graph_normal(r, g, c->normal))
     return false;
@@ -144,8 +154,7 @@ static inline bool closure_metal_read(reader *r, closure_metal *c, graph *g) {
     if (!reader_numbers(r, "slopes", 5, slopes))
       return false;
     g->status |= shade_params_set_slopes(&c->params, slopes);
-    for (int k = 0; k < 3; k++)
-      c->moment[k].at = OPERAND_NUMBER;
+    closure_metal_even(c);
   }
   c->facets = shade_params_brdf(&c->params) == SHADE_BRDF_MICROFACET;
   c->apart = c->apart && !g->dump && c->facets &&
@@ -435,6 +444,7 @@ LEAF void metal_finish(const closure_metal *c, lane_run run, const surfaces *res
   .etar = metal_lane(given, c->eta[0], i), .etag = metal_lane(given, c->eta[1], i),                \
   .etab = metal_lane(given, c->eta[2], i), .kr = metal_lane(given, c->k[0], i),                    \
   .kg = metal_lane(given, c->k[1], i), .kb = metal_lane(given, c->k[2], i),                        \
+  .slope_x = metal_lane(given, c->mean[0], i), .slope_y = metal_lane(given, c->mean[1], i),        \
   .slope_xx = metal_lane(given, c->moment[0], i), .slope_xy = metal_lane(given, c->moment[1], i),  \
   .slope_yy = metal_lane(given, c->moment[2], i), .ax = lobe.alpha[0] ? lobe.alpha[0] + i : NULL,  \
   .ay = lobe.alpha[1] ? lobe.alpha[1] + i : NULL,                                                  \

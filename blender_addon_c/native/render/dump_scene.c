@@ -227,7 +227,7 @@ static void put_slopes(shade_dump *d, size_t at, const closure_metal *c, const i
   double own[5];
   shade_params_get_slopes(&c->params, own);
   for (int k = 0; k < 5; k++) {
-    const int of = k < 2 ? OPERAND_NUMBER : c->moment[k - 2].at;
+    const int of = k < 2 ? c->mean[k].at : c->moment[k - 2].at;
     shade_dump_plane(d, SHADE_DUMP_SLOPES + k)[at] = of < 0 ? (float)own[k] : in->at[of][i];
   }
 }

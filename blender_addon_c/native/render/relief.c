@@ -192,8 +192,8 @@ static double left_out(const cell *cells, const cell *windows, int side) {
 }
 
 /* The square of the UV map that the bumps lie in; all of it, again and again, where that is larger.
- */
-static void frame(const bumps *all, relief_map *map) {
+ * About a shape there is a rim of its widest cells, so that no window reaches the other side. */
+static void frame(const bumps *all, bool shape, relief_map *map) {
   float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
   for (const bump *b = all->of; b < all->of + all->count; b++) {
     const float at[2] = {b->u, b->v};
@@ -202,7 +202,8 @@ static void frame(const bumps *all, relief_map *map) {
       high[k] = fmaxf(high[k], at[k]);
     }
   }
-  const float size = fmaxf(high[0] - low[0], high[1] - low[1]), rim = 0.01f * size;
+  const float size = fmaxf(high[0] - low[0], high[1] - low[1]),
+              rim = shape ? size / (SIDE / RELIEF_WIDER - 2) : 0.01f * size;
   const bool repeats = !(size < 1.0f);
   for (int k = 0; k < 2; k++)
     map->first[k] = repeats ? 0.0f : low[k] - rim;
@@ -237,26 +238,92 @@ static float nearness(double varies) {
   return (float)fmin(fmax((varies - even) / (uneven - even), 0), 1);
 }
 
-/* The finest map, of so many cells along a side or fewer, whose windows hold four fifths of the
- * variance, and how much they vary. NULL when out of memory. */
-static relief_map *map_of(const bumps *all, const moments *m, int side, double *varies) {
-  const double sum = m->xx + m->yy, most = 0.2 * sum * (double)all->count;
+/* What lies on a mean. */
+static cell about(cell c, float x, float y) {
+  return (cell){c.count,
+                c.x - c.count * x,
+                c.y - c.count * y,
+                c.xx + x * (c.count * x - 2 * c.x),
+                c.xy + c.count * x * y - x * c.y - y * c.x,
+                c.yy + y * (c.count * y - 2 * c.y)};
+}
+
+/* The mean in wide windows, and what is left of cells about it; `spare` has room for them. */
+static void take_off(const cell *cells, int side, float (*mean)[2], cell *left, cell *spare) {
+  const int wide = side / RELIEF_WIDER;
+  const float none = 1e-3f, cell_size = 1 / (float)side;
+  memcpy(left, cells, (size_t)side * (size_t)side * sizeof *cells);
+  for (int k = side; k > wide; k /= 2)
+    halve(left, k);
+  blur(left, wide, spare);
+  for (int k = 0; k < wide * wide; k++) {
+    mean[k][0] = spare[k].x / (spare[k].count + none);
+    mean[k][1] = spare[k].y / (spare[k].count + none);
+  }
+  for (int k = 0; k < side * side; k++) {
+    const float u = ((float)(k % side) + 0.5f) * cell_size;
+    const float v = ((float)(k / side) + 0.5f) * cell_size;
+    const relief_place x = relief_find_place(u, 0, 1, wide), y = relief_find_place(v, 0, 1, wide);
+    left[k] = about(cells[k], relief_between(mean[0], 2, wide, x, y),
+                    relief_between(mean[0] + 1, 2, wide, x, y));
+  }
+}
+
+/* The moments about a shape; its mean becomes that of all slopes, not what it adds to theirs. */
+static void set_rest(const cell *left, relief_map *map, moments *m, size_t count) {
+  const int wide = map->side / RELIEF_WIDER;
+  double xx = 0, xy = 0, yy = 0;
+  for (int k = 0; k < map->side * map->side; k++) {
+    xx += (double)left[k].xx;
+    xy += (double)left[k].xy;
+    yy += (double)left[k].yy;
+  }
+  m->xx = fmax(xx / (double)count, 1e-10);
+  m->xy = xy / (double)count;
+  m->yy = fmax(yy / (double)count, 1e-10);
+  for (int k = 0; k < wide * wide; k++) {
+    map->mean[k][0] += (float)m->x;
+    map->mean[k][1] += (float)m->y;
+  }
+}
+
+/* Room for a map; its windows are to be found. NULL when out of memory. */
+static relief_map *new_map(const bumps *all, int side, bool shape) {
   const size_t room = (size_t)side * (size_t)side;
-  const float none = 1e-3f, whole[3] = {(float)m->xx, (float)m->xy, (float)m->yy};
-  cell *cells = calloc(2 * room, sizeof *cells), *windows = cells ? cells + room : NULL;
-  relief_map *map = cells ? malloc(sizeof *map + room * sizeof *map->moment) : NULL;
+  const size_t wide = shape ? room / (RELIEF_WIDER * RELIEF_WIDER) : 0;
+  relief_map *map = malloc(sizeof *map + room * sizeof *map->moment + wide * sizeof *map->mean);
+  if (!map)
+    return NULL;
+  map->side = side;
+  map->mean = shape ? (float(*)[2])(map->moment + room) : NULL;
+  frame(all, shape, map);
+  return map;
+}
+
+/* The finest map, of so many cells along a side or fewer, whose windows hold four fifths of the
+ * variance, and how much they vary; of a shape, what they do not hold has to be in its own windows.
+ * *m becomes the moments about that. NULL when out of memory. */
+static relief_map *map_of(const bumps *all, moments *m, int side, bool shape, double *varies) {
+  const double most = 0.2 * (m->xx + m->yy) * (double)all->count;
+  const size_t room = (size_t)side * (size_t)side;
+  const float none = 1e-3f;
+  cell *cells = calloc((shape ? 3 : 2) * room, sizeof *cells), *left = cells;
+  relief_map *map = cells ? new_map(all, side, shape) : NULL;
   if (map) {
-    map->side = side;
-    frame(all, map);
+    cell *windows = cells + room;
     fill(all, m, map, cells);
     for (;; map->side /= 2) {
-      blur(cells, map->side, windows);
-      if (map->side == COARSEST || left_out(cells, windows, map->side) <= most)
+      if (shape)
+        take_off(cells, map->side, map->mean, left = windows + room, windows);
+      blur(left, map->side, windows);
+      if (map->side == COARSEST || left_out(left, windows, map->side) <= most)
         break;
       halve(cells, map->side);
     }
-    *varies = varied(cells, windows, map->side, sum, (double)all->count);
-    const float near = nearness(*varies);
+    if (shape)
+      set_rest(left, map, m, all->count);
+    *varies = varied(left, windows, map->side, m->xx + m->yy, (double)all->count);
+    const float near = nearness(*varies), whole[3] = {(float)m->xx, (float)m->xy, (float)m->yy};
     for (int k = 0; k < map->side * map->side; k++) {
       const cell w = windows[k];
       const float here[3] = {w.xx, w.xy, w.yy}, part = near / (w.count + none);
@@ -268,18 +335,21 @@ static relief_map *map_of(const bumps *all, const moments *m, int side, double *
   return map;
 }
 
-/* Gives the node of uneven bumps its map, or says whether a first one, whose windows are wide and
- * so vary less, is worth a *finer. False when out of memory. */
-static bool set_map(node_relief *n, const bumps *all, const moments *m, bool first, bool *finer) {
+/* Gives the node of uneven bumps, or of a shape, its map, or says whether a first one, whose
+ * windows are wide and so vary less, is worth a *finer. False when out of memory. */
+static bool set_map(node_relief *n, const bumps *all, moments *m, bool first, bool *finer) {
   const double hint = 0.2;
+  const bool shape = n->outs > 3;
   double varies = 0;
   if (!(m->xx + m->yy > 1e-10))
     return true;
-  relief_map *map = map_of(all, m, first ? FIRST_SIDE : SIDE, &varies);
+  if (first && shape)
+    return *finer = true;
+  relief_map *map = map_of(all, m, first ? FIRST_SIDE : SIDE, shape, &varies);
   if (!map)
     return false;
   *finer = *finer || (first && varies > hint);
-  if (!first && nearness(varies) > 0)
+  if (!first && (shape || nearness(varies) > 0))
     n->map = map;
   else
     free(map);
@@ -337,10 +407,10 @@ static bool look(worker *w, material *m, double area, size_t count, bool *finer)
     if (found[k].count > 0) {
       closure_metal *c = &m->closure[k].of.metal;
       node_relief *n = node_of(m, c);
-      const moments all = moments_of(&found[k]);
-      set_slopes(c, &all);
+      moments all = moments_of(&found[k]);
       /* of a node that several closures of a file read the first one's */
       good = !n || n->map || set_map(n, &found[k], &all, count < FINE, finer);
+      set_slopes(c, &all);
     }
   for (size_t k = 0; k < m->closures; k++)
     free(found[k].of);
@@ -370,8 +440,8 @@ static bool look_at(worker *w, material *m) {
 static void leave_even(material *m) {
   for (closure *c = m->closure; c < m->closure + m->closures; c++) {
     const node_relief *n = c->type == CLOSURE_METAL ? node_of(m, &c->of.metal) : NULL;
-    for (int k = 0; n && !n->map && k < 3; k++)
-      c->of.metal.moment[k].at = OPERAND_NUMBER;
+    if (n && !n->map)
+      closure_metal_even(&c->of.metal);
   }
 }
 

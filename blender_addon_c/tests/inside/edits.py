@@ -121,7 +121,7 @@ def edit_keys():
     node = bpy.data.materials[owner].node_tree.nodes["Libshade " + kind]
     name, value = chance.choice({
         "Metal": [("ex", chance.uniform(5, 500)), ("grain", chance.choice(["UV", "RADIAL_Z", "AXIS_Y"])),
-                  ("bump_response", chance.choice(["FOLLOW", "IGNORE"]))],
+                  ("bump_response", chance.choice(["FOLLOW", "IGNORE"])), ("bumps_are", chance.choice(["RELIEF", "SHAPE"]))],
         "Fabric": [("size", chance.uniform(0.1, 1)), ("warp_width", chance.uniform(0.2, 0.9))]}[kind])
     setattr(node, name, value)
     node.keyframe_insert(name, frame=bpy.context.scene.frame_current + chance.randrange(3))

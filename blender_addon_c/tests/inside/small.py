@@ -470,6 +470,9 @@ def test_what_a_material_gets_of_a_closure():
     for closure, mutual, drawn, moment in ((grey, True, True, (7, 8, 9)), (grey, True, False, None), (grey, False, True, None), (ours, False, True, (7, 8, 9))):
         program = Of(emit={"RELIEF": [7, 8, 9]}.get, reads=lambda parts, kinds, said=drawn: said)
         assert read(closure, normal=[5], program=program, mutual=mutual).get("moment_from") == moment, (closure, mutual, drawn)
+    program = Of(emit=lambda kind, count, shape: [7, 8, 9, 10, 11][:count] if shape else None, reads=lambda *_which: True)
+    made = read({**ours, "shape": True}, normal=[5], program=program)
+    assert (made["moment_from"], made["mean_from"], "shape" in made) == ((7, 8, 9), (10, 11), False)
     shine, clear = {"closure": "EMISSION"}, {"closure": "TRANSPARENT"}
     for closure, weight, wanted in ((clear, 0.0, False), (clear, (0, 0, 0.1), True), (clear, -1.0, False), (shine, (0, -1, 0), True), (shine, 0.0, False)):
         assert bool(read(closure, weight)) == wanted, (closure, weight)

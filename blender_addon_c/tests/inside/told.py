@@ -330,6 +330,8 @@ def test_what_a_metal_shows():
     words, numbers = shown(advanced, width_as="ROUGHNESS"), lambda drawn: drawn[drawn.index("width_as") + 1:]
     assert {"distribution", "brdf"} < set(words) and numbers(words) == ["Roughness", "Anisotropy"]
     assert {"[distribution]", "[brdf]"} == {word for word in shown(advanced, strokes=0.5) if word[0] == "["}
+    assert [word for word in words if word in ("horizon", "bumps_are")] == ["horizon", "bumps_are"] and node.bumps_are == "RELIEF"
+    assert "bumps_are" not in shown(advanced, horizon="HARD")
     node.ax, node.ay = 0.5, 0.25
     assert numbers(shown(advanced, strokes=0.0, width_as="ALPHA")) == ["Alpha Along U: 0.5", "shown_ax", "Alpha Across U: 0.25", "shown_ay"]
     assert numbers(shown(advanced, width_as="EXPONENTS")) == ["Exponent Along U: 6", "shown_ex", "Exponent Across U: 30", "shown_ey"]
