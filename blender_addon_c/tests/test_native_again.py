@@ -353,3 +353,14 @@ def test_a_look_says_what_building_said():
         native.free(before)
         assert finish(job)["warnings"] == said
     native.free(job)
+
+
+def test_a_picture_that_was_copied_is_let_go():
+    """A bytearray cannot grow while something holds its memory."""
+    job = native.start(scene(samples=1))
+    finish(job)
+    for more in ((), ("",), ("", True)):
+        room = bytearray(16 * 16 * 16)
+        native.image(job, memoryview(room).cast("f"), *more)
+        room.append(0)
+    native.free(job)

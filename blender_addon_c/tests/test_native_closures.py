@@ -335,6 +335,16 @@ def test_bounces_of_each_kind_have_their_end(kind, key, place):
         assert brightness == (0 if word in stops else pytest.approx(1, abs=0.03)), word
 
 
+@pytest.mark.parametrize("most", range(5))
+def test_bounces_of_all_kinds_are_counted_together(most):
+    """Through a pane, to a mirror, through the pane again, to what shines: three."""
+    one = {"type": "MATH", "operation": "ADD", "a": [1.0], "b": [0.0], "c": [0.0], "out": registers(3, 1)}
+    shines = of(EMISSION | {"weight": registers(3, 1) * 3}, nodes=[one])
+    given = scene(materials=[of(glass(1e-3, reflects=False)), of(glossy(1e-3)), shines], lights=[], max_bounces=most, samples=4,
+                  meshes=[square(200.0), square(200.0, -2, 1), square(2000.0, 4, 2)])
+    assert render(given)[0][..., 0].mean() == (0 if most < 3 else pytest.approx(1, abs=0.03))
+
+
 # What nodes say of the ray that goes on from a closure, of PATH's words.
 CAME = {"matt": (diffuse(), 4, "DIFFUSE REFLECTION"), "gloss": (glossy(0.3), 4, "GLOSSY REFLECTION"),
         "mirror": (glossy(1e-4), 4, "GLOSSY REFLECTION SINGULAR"), "refraction": (glass(0.3, reflects=False), -2, "GLOSSY TRANSMISSION"),

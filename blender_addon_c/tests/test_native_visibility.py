@@ -185,6 +185,17 @@ def test_faces_that_shine_and_are_hidden():
     assert seen(DIFFUSE, False) == 0
 
 
+@pytest.mark.parametrize("sheet, beside", [(TRANSLUCENT, DIFFUSE), (glass(0.3, reflects=False), GLOSSY)])
+def test_rays_through_a_surface_are_of_no_kind_beside(sheet, beside):
+    """What they meet below it shines for them, though rays that this kind of closure mirrors would not see it."""
+    given = {"meshes": [square(), square(200.0, -2.0, 1)], "lights": [], "max_bounces": 1, "samples": 16, "camera": ortho(0.3)}
+
+    def seen(hidden):
+        return picture(**given, materials=[of(sheet), shining(3.0) | {"drawn": False}], instances=[instance(0), instance(1, hidden)]).mean()
+
+    assert seen(0) > 0.5 and seen(beside) == seen(0) and seen(TRANSMISSION) == 0
+
+
 def moved(index, x, z=0.0, size=1.0, **more):
     return {"mesh": index, "matrix": [size, 0, 0, x, 0, size, 0, 0, 0, 0, 1, z, 0, 0, 0, 1], **more}
 
