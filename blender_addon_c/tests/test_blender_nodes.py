@@ -312,6 +312,8 @@ PATTERNS = [
                                   ("Segment Width", False, 0.1), ("Segment Rotation", False, 0.05))),
     *(place("TexBrick", output, inputs=BRICKS | more, set={"squash": 0.8, "squash_frequency": 3, "offset": 0.3})
       for output in ("Color", "Fac") for more in ({}, {"Mortar Smooth": 0.5}, {"Mortar Smooth": 0.0})),
+    *(place("TexGradient", "Fac", set={"gradient_type": kind}, fed={"Vector": ([4.0, 4.0, 0.0], [-1.0, -2.0, -0.3])})
+      for kind in "LINEAR QUADRATIC EASING DIAGONAL SPHERICAL QUADRATIC_SPHERE RADIAL".split()),
 ]
 
 

@@ -11,7 +11,7 @@ import OpenImageIO as oiio
 import pytest
 
 import damaged
-from native_scenes import few, render, scene
+from native_scenes import few, point, render, scene
 from shade_render import COMBINED, TOOL, assert_same, made, parts_of, put_parts, run, scene_file
 
 COST = 4.5
@@ -197,6 +197,19 @@ def test_shares_merged_are_the_picture(tmp_path, cuts):
     assert set(found) == set(whole)
     for name, pixels in whole.items():
         assert np.allclose(found[name], pixels, rtol=3e-6, atol=3e-6), (name, np.abs(found[name] - pixels).max())
+
+
+def test_shares_hold_each_picture(tmp_path):
+    """Of AOVs and groups of lights: each pass comes from its own."""
+    path = tmp_path / "s.shscene"
+    pictures = [(scene(samples=8, lights=[point((0, 0, 2), (k, 2 * k, 3 * k))]), [(name, "RGB", "", 1.0)])
+                for k, name in ((1, "Combined"), (2, "Twice"), (5, "Five"))]
+    scene_file.write(path, "L", pictures)
+    whole, found = made(tmp_path, path), made(tmp_path, path, "--merge", *shared(tmp_path, path, [("--share", "0,4"), ("--share", "4,8")]))
+    for letter in "RGB":
+        first = found[f"L.Combined.{letter}"]
+        assert first.max() > 0 and all(np.allclose(found[f"L.{name}.{letter}"], times * first, rtol=1e-5) for name, times in (("Twice", 2), ("Five", 5)))
+        assert np.allclose(first, whole[f"L.Combined.{letter}"], rtol=3e-6)
 
 
 def test_shares_of_cloth_are_cut_where_its_samples_are_not_shaded_together(tmp_path):

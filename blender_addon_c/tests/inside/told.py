@@ -1308,6 +1308,92 @@ def test_what_cloths_and_fields_are_called_and_span():
     assert [field.metres(Of(unit=unit, size=size), 0.01) for unit, size in (("UV", 0.5), ("METRES", 0.5), ("UV", math.inf))] == [0.005, 0.01, 0.01]
 
 
+def test_collections_within_a_light_link():
+    """All that they hold, however deep, on the side that the collection itself is on."""
+    near, far, out = (type("Thing", (), {})() for _ in range(3))
+    made = Of(objects=[near], collection_objects=[Of(light_linking=Of(link_state="INCLUDE"))],
+              children=[Of(objects=[], all_objects=[far]), Of(objects=[], all_objects=[out])],
+              collection_children=[Of(light_linking=Of(link_state=word)) for word in ("INCLUDE", "EXCLUDE")])
+    assert module("export.light")._receivers(made) == ({near, far}, {out})
+
+
+def test_maps_in_a_row_turn_a_world_in_their_order():
+    """What the second says of what the first made of a direction: a scale along x, then a quarter turn about z."""
+    scene = common.empty_scene()
+    common.camera(scene)
+    world = scene.world = bpy.data.worlds.new("world")
+    image = bpy.data.images.new("sky", 4, 2)
+    image.pack()
+    tree = common.tree_of(world)
+    around, first, second, place = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexEnvironment", "Mapping", "Mapping", "TexCoord"))
+    around.image = image
+    first.inputs["Scale"].default_value, second.inputs["Rotation"].default_value = (2, 1, 1), (0, 0, math.pi / 2)
+    shader = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    for socket, to in ((place.outputs["Generated"], first.inputs["Vector"]), (first.outputs[0], second.inputs["Vector"]), (second.outputs[0], around.inputs["Vector"]),
+                       (around.outputs[0], shader.inputs["Color"])):
+        tree.links.new(socket, to)
+    assert close(np.reshape(read(scene)[0]["sky"]["matrix"], (3, 4))[:, :3], [(0, -1, 0), (2, 0, 0), (0, 0, 1)])
+
+
+def test_where_baked_scratches_take_their_tangents():
+    """From the UV map that Vector names, past reroutes; the active one's for Texture Coordinate's; none for other places."""
+    images = module("scratches.images")
+    common.empty_scene()
+    tree = common.tree_of(bpy.data.materials.new("scratched"))
+    node, way, map_, coordinates = (tree.nodes.new(kind) for kind in ("LibshadeScratchesNode", "NodeReroute", "ShaderNodeUVMap", "ShaderNodeTexCoord"))
+    node.unit, node.uv_map, map_.uv_map = "UV", "own", "other"
+    assert images._source(node) == ("UV", "own")
+    node.unit = "METRES"
+    assert images._source(node) == ("OBJECT", None)
+    for source, wanted in ((map_.outputs[0], "other"), (coordinates.outputs["UV"], ""), (coordinates.outputs["Object"], None)):
+        for to in (node.inputs[images.VECTOR], way.inputs[0]):
+            tree.links.new(source, to)
+            if to.node == way:
+                tree.links.new(way.outputs[0], node.inputs[images.VECTOR])
+            assert images._source(node) == ("VECTOR", wanted), (source.name, to.node.name)
+
+
+def test_which_cloth_goes_with_a_scenes_unit():
+    """What counts in metres, or lies by the world's; not what counts in the UV map's units, nor what is another file's."""
+    size, scene = module("fabric.size"), common.empty_scene()
+    tree = common.tree_of(bpy.data.materials.new("cloth"))
+    place, told = tree.nodes.new("ShaderNodeNewGeometry"), []
+    for name, mode, linked in (("length", "LENGTH", False), ("world", "REAL", True), ("map", "REAL", False), ("count", "CROSSINGS", False)):
+        node = tree.nodes.new("LibshadeFabricNode")
+        node.name, node.size_mode = name, mode if mode in {item.identifier for item in node.bl_rna.properties["size_mode"].enum_items} else node.size_mode
+        if linked:
+            tree.links.new(place.outputs["Position"], node.inputs["Vector"])
+    modes = {node.name: (node.size_mode, size.space_of(node)) for node in tree.nodes if node.bl_idname == "LibshadeFabricNode"}
+    wanted = sorted(name for name, (mode, space) in modes.items() if mode == "LENGTH" or space == "WORLD")
+    assert wanted == ["length", "world"] and modes["map"] == ("REAL", "MAP")
+    size.follow_unit(scene)
+    kind = type(tree.nodes["length"])
+    with replaced(kind, update_preview=lambda node, unit=None: told.append((node.name, unit))):
+        size.follow_unit(scene)
+        assert told == []
+        scene.unit_settings.scale_length = 0.01
+        size.follow_unit(scene)
+        assert sorted(told) == [(name, scene.unit_settings.scale_length) for name in wanted], told
+
+
+def test_pictures_of_a_sequence_are_read_as_their_image_says():
+    """Each is a file that Blender has not opened: its colours are those of the image that it is a picture of."""
+    import tempfile
+    images, seen = module("export.image"), []
+    scene = common.empty_scene()
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "a_001.png")
+        made = bpy.data.images.new("a", 2, 2)
+        made.filepath_raw, made.file_format = path, "PNG"
+        made.save()
+        reader = images.Images(module("export").Messages(), scene.frame_current)
+        with replaced(images.Images, _read=lambda _self, one, _owner: seen.append((one.colorspace_settings.name, one.alpha_mode))):
+            for name, alpha in (("Non-Color", "STRAIGHT"), ("sRGB", "CHANNEL_PACKED"), ("Non-Color", "NONE")):
+                reader._loaded(Of(colorspace_settings=Of(name=name), alpha_mode=alpha, name=f"{name} {alpha}"), path, "owner")
+                assert seen[-1] == (name, alpha), seen
+    assert len(seen) == 3 and [image.name for image in bpy.data.images if image.name.startswith("a_")] == []
+
+
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
     test()
     print(test.__name__, "done", flush=True)
