@@ -170,7 +170,7 @@ def test_maps():
 def test_diffuse_and_lobes(tmp_path):
     rows = {(row["method"], row["precision"]): row for row in read_apart(bench("--csv", "--what", "diffuse"))}
     assert {method for method, _ in rows} == {"lambert", "max_normal", "fibre", "fibre_view", "ashikhmin_shirley"}
-    for (method, precision), row in rows.items():
+    for (_method, precision), row in rows.items():
         assert 0 < float(row["max_error"]) <= (1e-6 if precision == "float" else 1e-14), row
         assert relative(row, rows["lambert", precision])
     text = bench("--what", "lobes", "--output", str(tmp_path / "lobes.csv"))

@@ -432,8 +432,15 @@ def test_text_says_what_was_shaded(few_varied, tmp_path):
     dump = Dump(few_varied)
     y, x = first_hit(dump)
     dump["light0.S.G"][y, x] = 7 * dump["light0.S.G"].max()
+    for faulty in np.argwhere(dump["material.ID"] >= 0)[50:52]:
+        dump["uv.U"][tuple(faulty)] = np.nan
+    dump["T.X"][tuple(np.argwhere(dump["material.ID"] >= 0)[60])] = 3
     path = dump.write(tmp_path / "x.exr")
     report, text = check_json(path), check(path).stdout
+    told = re.findall(r"^fault: (.*): (\d+) times, first at \((\d+), (\d+)\)$", text, re.M)
+    assert [(fault["what"], fault["count"], fault["x"], fault["y"]) for fault in report["faults"]] == [(what, *map(int, at)) for what, *at in told]
+    assert [int(fault[1]) for fault in told] == [2, 1] and text.rstrip().endswith(", 3 faults")
+    assert (f"left out: {report['horizon']} values on the horizon" in text) == (report["horizon"] > 0)
     rows = re.findall(r"^ +(\d+) .* (\d+) +(\d+) +(\S+) +(\S+)  \((\d+), (\d+)\) ([RGB]): (\S+), (\S+)$", text, re.M)
     cells = [cell for cell in report["cells"] if cell["values"]]
     assert len(rows) == len(cells) > 5
@@ -909,7 +916,15 @@ def test_idle_material_and_light(dump, tmp_path):
     path = dump.write(tmp_path / "x.exr")
     result = check(path)
     assert result.returncode == 0 and "not compared: 1 material and 0 lights" in result.stdout
-    assert check(path, "--all").returncode == 1
+    assert result.stdout.startswith(f"{path}: {WIDTH} x {HEIGHT} pixels, {LIGHTS} lights, {MATERIALS} materials, from makedump\n")
+    assert re.findall(r"^ +(\d+) .* (\d) +0 +- +-  unlit$", result.stdout, re.M) == [("1", "0"), ("1", "1")]
+    # one more that no pixel has; from nobody knows whom
+    del dump.header["renderer"]
+    dump.header["materials"].append(dump.header["materials"][1] | {"id": 77, "name": "nowhere"})
+    result = check(dump.write(tmp_path / "more.exr"), "--all")
+    assert result.returncode == 1 and "not compared: 2 materials and 0 lights" in result.stdout
+    assert f" {MATERIALS + 1} materials, from unknown\n" in result.stdout
+    assert len(re.findall(r"^ +77 nowhere .* -  not in the picture$", result.stdout, re.M)) == LIGHTS
 
 
 # ---- headers -------------------------------------------------------------------------
