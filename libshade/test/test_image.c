@@ -72,6 +72,14 @@ static void png_holds_what_was_written(void **state) {
   }
   free(got);
   free(pixels);
+  char bytes[512];
+  FILE *file = fopen(path, "rb");
+  const size_t length = fread(bytes, 1, sizeof bytes, file);
+  fclose(file);
+  int notes = 0;
+  for (size_t i = 0; i + 6 <= length; i++)
+    notes += !memcmp(bytes + i, "a note", 6);
+  assert_int_equal(notes, 1);
   unlink(path);
 }
 

@@ -193,7 +193,31 @@ static void ranges(void **state) {
       {"along_length", 1, 0.01, 1e6, 4.0},
       {"fuzz", 1, 0.0, 1.0, 0.0},
   };
+  static const range fibres[] = {
+      {"along", 1, 0.0, 1e6, 100.0},
+      {"across", 1, 0.0, 1e6, 10.0},
+      {"f0", 3, 0.0, 1.0, 0.04},
+      {"kd", 3, 0.0, 1.0, 0.5},
+  };
+  static const range cloth[] = {
+      {"backing", 3, 0.0, 1.0, 0.0},       {"nap", 1, 0.0, 10.0, 0.0},
+      {"nap_color", 3, 0.0, 1.0, 0.5},     {"warp_transmit", 3, 0.0, 1.0, 0.0},
+      {"weft_transmit", 3, 0.0, 1.0, 0.0},
+  };
   shade_param_info info;
+  shade_fabric_params f;
+  shade_fabric_params_init(&f);
+  for (int i = 0; i < (int)(sizeof fibres / sizeof fibres[0]); i++) {
+    assert_non_null(shade_fabric_yarn_number(&f.warp, i, &info));
+    is_range(&info, &fibres[i]);
+  }
+  for (int i = 0; i < (int)(sizeof cloth / sizeof cloth[0]); i++) {
+    const double *number = shade_fabric_number(&f, i, &info);
+    assert_non_null(number);
+    is_range(&info, &cloth[i]);
+    for (int c = 0; c < cloth[i].components; c++)
+      assert_true(number[c] == cloth[i].initial);
+  }
   for (int i = 0; i < (int)(sizeof params / sizeof params[0]); i++) {
     assert_true(shade_param_row(i, &info));
     is_range(&info, &params[i]);

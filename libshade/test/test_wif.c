@@ -404,6 +404,15 @@ static void colors(void **state) {
                    "out");
   has_color(d->warp[0].color, .2, 0, .4);
   shade_draft_free(d);
+  /* which is nothing to guess a Range by; inks beyond 100 are of 255 */
+  d = parse_warned("[COLOR TABLE]\n1=51,0,102,900\n[WARP]\nColor=1\n" CLOTH,
+                   "cloth.wif: mended: line 2: colour 1 has 4 numbers, expected 3: the others left "
+                   "out");
+  has_color(d->warp[0].color, .2, 0, .4);
+  shade_draft_free(d);
+  d = parse("[COLOR PALETTE]\nForm=CMYK\n[COLOR TABLE]\n1=0,51,0,101\n[WARP]\nColor=1\n" CLOTH);
+  has_color(d->warp[0].color, 1 - 101. / 255, .8 * (1 - 101. / 255), 1 - 101. / 255);
+  shade_draft_free(d);
   /* no Range: by the largest number */
   static const struct {
     int largest, range;
@@ -538,6 +547,46 @@ static void spellings(void **state) {
     holds(d, TWILL);
     shade_draft_free(d);
   }
+}
+
+/* UTF-16 beyond ASCII: characters whose half is a line's end, a bracket or a digit are none of
+ * these, a blank that does not break is a blank; what is shown of such words, and of long ones. */
+static void wide_words(void **state) {
+  (void)state;
+  static const struct {
+    unsigned code; /* what stands for ~ */
+    const char *text, *message;
+  } cases[] = {
+      {0x010a, "[TEXT]\nTitle=~[~]~3=9\n" CLOTH, ""},
+      {0x015d, "[TEXT]\n[~\n" CLOTH, ""},
+      {0x00a0, "[~THREADING~]\n1~=~1\n2=2~\n3=3\n~4=4\n" TIED TROD, ""},
+      {0x0131, "[THREADING]\n1=~\n",
+       "wide.wif, line 2: '?' in [THREADING]: expected whole numbers from 0 on, comma separated"},
+      {0x00e9, "[WEAVING]\nRising Shed=oui, tous les cadres l~vent ensemble, oui\n",
+       "wide.wif, line 2: Rising Shed=oui, tous les cadres l?vent ensemble, ou...: expected yes or "
+       "no"},
+      {0x00e9, "[WEAVING]\nRising Shed=forty of them, no more: are shown whole~\n",
+       "wide.wif, line 2: Rising Shed=forty of them, no more: are shown whole?: expected yes or "
+       "no"},
+  };
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
+    for (int big = 0; big < 2; big++) {
+      char wide[1024] = {big ? '\xfe' : '\xff', big ? '\xff' : '\xfe'}, message[256] = "";
+      const size_t length = strlen(cases[k].text);
+      for (size_t i = 0; i < length; i++) {
+        const unsigned code =
+            cases[k].text[i] == '~' ? cases[k].code : (unsigned char)cases[k].text[i];
+        wide[2 + 2 * i + (size_t)big] = (char)(code & 255);
+        wide[2 + 2 * i + (size_t)!big] = (char)(code >> 8);
+      }
+      shade_draft *d = shade_wif_parse(wide, 2 + 2 * length, "wide.wif", message, sizeof message);
+      assert_string_equal(message, cases[k].message);
+      if (*message)
+        assert_null(d);
+      else
+        holds(d, TWILL);
+      shade_draft_free(d);
+    }
 }
 
 /* A message that is too long is cut; without a place for it nothing is written. */
@@ -701,8 +750,9 @@ int main(void) {
       cmocka_unit_test(refusals),        cmocka_unit_test(wrong_counts),
       cmocka_unit_test(counting_from_0), cmocka_unit_test(plans),
       cmocka_unit_test(contents),        cmocka_unit_test(colors),
-      cmocka_unit_test(spellings),       cmocka_unit_test(short_messages),
-      cmocka_unit_test(long_files),      cmocka_unit_test(round_trip),
+      cmocka_unit_test(spellings),       cmocka_unit_test(wide_words),
+      cmocka_unit_test(short_messages),  cmocka_unit_test(long_files),
+      cmocka_unit_test(round_trip),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
