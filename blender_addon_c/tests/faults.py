@@ -63,10 +63,20 @@ def once(given):
     return ends
 
 
+def calls(**metal):
+    """How often memory is asked for in a render of a plate."""
+    faults.faults_set(0, 0)
+    ends = once(scene(threads=1, images=[image(np.full((4, 4, 4), 0.5, np.float32))], materials=[material(**metal)]))
+    assert ends == ["done "] * 3, ends
+    return faults.faults_count()
+
+
 def main():
     given, ends = crowded(), Counter()
     assert once(given) == ["done "] * 3, once(given)
     watch_module()
+    (plain, same), (bumped, more) = ([calls(horizon=horizon, normal_image=at) for horizon in ("hard", "mutual")] for at in (-1, 0))
+    assert plain == same and bumped < more  # slopes are looked for where there are bumps
     faults.faults_set(0, 0)
     once(given)
     total = faults.faults_count()
