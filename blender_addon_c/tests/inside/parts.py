@@ -577,8 +577,21 @@ def test_slopes_are_told_of_a_render():
     assert 0 < seconds < time.perf_counter() - began and timings["samples"] > 0, told
     assert engine._summary({"wall": 1.5, "samples": 4, "tree": 0.25, "shade": 0.5, "tiny": 1e-4}, 0.125) == (
         "libshade: sync 0.125 s, render 1.500 s, 4 samples; seconds summed over threads: shade 0.500, tree 0.250")
-    name, _, slopes = scene.libshade.bump_slopes.partition(": slopes ")
-    assert name == "steel" and all(1e-4 < float(v) < 2 for v in slopes.split(", ")), scene.libshade.bump_slopes
+    def slopes_of_steel():
+        name, _, slopes = scene.libshade.bump_slopes.partition(": slopes ")
+        assert name == "steel", scene.libshade.bump_slopes
+        return [float(v) for v in slopes.split(", ")]
+    assert all(1e-4 < v < 2 for v in slopes_of_steel())
+    # one long wave of a map is a bump, or the shape of what was baked
+    image, wave = bpy.data.images.new("baked", 64, 64, float_buffer=True), np.sin(2 * np.pi * (np.arange(64) + 0.5) / 64)
+    pixels = np.ones((64, 64, 4), np.float32)
+    pixels[..., 0], pixels[..., 1], pixels[..., 2] = 0.5 - 0.25 * wave, 0.5, 0.5 + 0.5 * np.sqrt(1 - 0.25 * wave * wave)
+    image.pixels.foreach_set(pixels.ravel())
+    common.normal_map(tree, node, image)
+    for bumps_are, low, high in (("RELIEF", 0.3, 0.45), ("SHAPE", 0, 0.06)):
+        node.bumps_are = bumps_are
+        bpy.ops.render.render()
+        assert low <= slopes_of_steel()[0] <= high, (bumps_are, scene.libshade.bump_slopes)
 
 
 def test_studio_light():
