@@ -4,9 +4,10 @@
 import numpy as np
 import pytest
 
-from native_scenes import few, native, ortho, registers, render, scene, square
+from native_scenes import few, material, mesh, native, ortho, registers, render, scene, square
+from test_native_closures import of
 
-COST = 0.14
+COST = 0.4
 
 SAID = np.float32([[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8], [0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1]])
 
@@ -119,3 +120,31 @@ def test_a_graph_may_use_all_registers():
     made = scene(meshes=[square(2.0)], materials=[emitter([(4,)] * 3, nodes=nodes)], lights=[], camera=ortho(0.5), width=4, height=4,
                  transparent=False)
     assert np.allclose(render(made)[0][..., :3], sum(range(6, 256)) / 1e4, rtol=1e-5)
+
+
+@pytest.mark.parametrize("lost, said", [
+    (0, []), (2, []), (3, ["plate: 3% of its UV map has no area: strokes there go as those beside it"]), (99, ["plate: 99% of its UV map has no area: strokes there go as those beside it"]),
+    (100, ["plate: its UV map has no area: its tangent is the object's X axis"]), (None, ["plate has no UV map: its tangent is the object's X axis"])])
+def test_what_is_said_of_uv_maps_under_strokes(lost, said):
+    """From more than 2 % of the triangles on that strokes are on; nothing where what is there has no strokes, or they are turned by nodes."""
+    corners = np.arange(101) / 100
+    xy = np.concatenate([np.stack([corners, 0 * corners], 1), np.stack([corners, 0 * corners + 1], 1)])
+    faces = [[k, k + 1, 101 + k] for k in range(100)]
+    plate = mesh(np.c_[xy, 0 * xy[:, 0]], faces, uvs=xy) | {"name": "plate"}
+    if lost is None:
+        plate["corner_uvs"] = None
+    else:
+        plate["corner_uvs"].reshape(100, 6)[:lost] = 0.25
+    for closure, is_said in ((material(), True), (material() | {"turned": True}, False), (of({"closure": "DIFFUSE", "model": "LAMBERT", "color": (1, 1, 1), "roughness": [0.0]}), False)):
+        state = render(scene(meshes=[plate], materials=[closure], samples=1, width=2, height=2))[1]
+        assert state["warnings"] == (said if is_said else [])
+
+
+@pytest.mark.parametrize("end, said", [(np.eye(4), False), (np.diag([-1.0, 1, 1, 1]), True), (np.zeros((4, 4)), True), (np.diag([1.0, 1, 1e-4, 1]), False)])
+def test_what_moves_to_no_size_is_said(end, said):
+    """On its way, too: what becomes its mirror image has no size in the midst."""
+    steps = np.stack([(1 - t) * np.eye(4)[:3] + t * end[:3] for t in (0, 0.5, 1)]).astype(np.float32)
+    given = scene(meshes=[square() | {"name": "wing"}], instances=[{"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "motion": steps}], samples=4, width=2, height=2)
+    words = "wing moves too far, or to no size, while the shutter is open: it is not blurred"
+    picture, state = render(given)
+    assert state["warnings"] == [words] * said and (not said or (picture[..., 3] == 1).all())
