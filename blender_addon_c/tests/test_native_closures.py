@@ -337,11 +337,11 @@ def test_bounces_of_each_kind_have_their_end(kind, key, place):
 
 @pytest.mark.parametrize("most", range(5))
 def test_bounces_of_all_kinds_are_counted_together(most):
-    """Through a pane, to a mirror, through the pane again, to what shines: three."""
+    """Through a pane, to a mirror, through the pane again, to what shines: three. What lets a ray pass straight on is none."""
     one = {"type": "MATH", "operation": "ADD", "a": [1.0], "b": [0.0], "c": [0.0], "out": registers(3, 1)}
     shines = of(EMISSION | {"weight": registers(3, 1) * 3}, nodes=[one])
-    given = scene(materials=[of(glass(1e-3, reflects=False)), of(glossy(1e-3)), shines], lights=[], max_bounces=most, samples=4,
-                  meshes=[square(200.0), square(200.0, -2, 1), square(2000.0, 4, 2)])
+    given = scene(materials=[of(glass(1e-3, reflects=False)), of(glossy(1e-3)), shines, of(TRANSPARENT)], lights=[], max_bounces=most, samples=4,
+                  meshes=[square(200.0), square(200.0, -2, 1), square(2000.0, 4, 2), square(200.0, -1, 3)])
     assert render(given)[0][..., 0].mean() == (0 if most < 3 else pytest.approx(1, abs=0.03))
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from native_scenes import ROOT, dump, few, finish, material, native, ortho, read_dump, registers, render, scene, some, sphere, square, sun
 
-COST = 15
+COST = 13
 
 RGB = np.array([(3.2404542, -1.5371385, -0.4985314), (-0.9692660, 1.8760108, 0.0415560),
                 (0.0556434, -0.2040259, 1.0572252)])

@@ -282,7 +282,6 @@ bool share_fill(void *context, render *r) {
   memset(set->samples, 0, pixels_of(r->region) * sizeof *set->samples);
   for (size_t k = 0; k < set->count; k++)
     add_share(r, &set->share[k], set->picture, set->samples);
-  set->picture++;
   for (size_t tile = 0; tile < r->tiles; tile++)
     atomic_store(&r->done[tile], r->plan->passes);
   for (int y = r->region[1]; r->adaptive.done && y < r->region[3]; y++)

@@ -43,14 +43,14 @@ typedef struct share_set {
   const char *const *path;
   size_t count;
   struct share *share;
-  size_t picture;    /* that is filled next */
+  size_t picture;    /* that is filled */
   uint32_t *samples; /* by pixel of the region, of what was added */
 } share_set;
 
 /* Sets the scenes' samples and seed to those of the shares. */
 bool share_open(share_set *set, const char *const *path, size_t count, scene_file *f, char *error,
                 size_t size);
-/* A job_fill of a share_set: the sums of its next picture. */
+/* A job_fill of a share_set: the sums of its picture. */
 bool share_fill(void *set, render *r);
 void share_close(share_set *set);
 

@@ -16,7 +16,7 @@ import time
 import OpenImageIO as oiio
 import pytest
 
-COST = 5.2
+COST = 6.6
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))

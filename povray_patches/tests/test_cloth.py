@@ -5,7 +5,7 @@ import pytest
 
 from scenes import SUN, dot, normalise, scene
 
-COST = 73.3
+COST = 75
 
 CLOTHS = ("silk_charmeuse", "silk_shantung", "denim", "gabardine", "linen", "wool_flannel", "polyester_lining",
           "shot_taffeta", "herringbone_tweed")

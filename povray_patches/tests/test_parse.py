@@ -247,7 +247,7 @@ def test_errors_name_line_and_expectation(render, tmp_path, block, message):
     ("fabric { warp { crossings 3 } }", "'crossings' belongs in fabric { }."), ("fabric { tangent x }", "'tangent' belongs in mdf { } itself."),
     ("preset \"brushed_steel\" mm_per_unit 300", "'mm_per_unit' belongs in fabric { } or scratches { }."), ("fabric { warp { seed 3 } }", "'seed' belongs in fabric { }."),
     ("crosings 3", "did you mean 'crossings', which belongs in fabric { }?"), ("detail crossings", "'crossings' belongs in fabric { }."),
-    ("strecth 3", "did you mean 'stretch', which belongs in layer { } of scratches { }?"),  # nearer than the strength of bump_image { }
+    ("stretgh 3", "did you mean 'stretch', which belongs in layer { } of scratches { }?"),  # nearer than the strength of bump_image { }
     ("scratches { pits 3 }", "'pits' belongs in layer { } of scratches { }."), ("schlick", "'schlick' follows fresnel."), ("ior 1.5", "follows fresnel conductor.")])
 def test_an_error_tells_where_a_word_belongs(render, block, hint):
     result = render(scene(sphere(block)), (8, 8), fails=True)
