@@ -29,6 +29,7 @@ enum { WIDTH = 37, HEIGHT = 53, LIGHTS = 12 }; /* light10 sorts before light2 */
 static char folder[] = "/tmp/shade-test-dump-XXXXXX";
 static char path[sizeof folder + 32];
 static char error[512];
+static int files_before;
 
 static int planes(const shade_dump *d) {
   return SHADE_DUMP_BASE + SHADE_DUMP_PER_LIGHT * d->lights;
@@ -587,6 +588,7 @@ static void test_even_planes(void **state) {
 
 static int make_folder(void **state) {
   (void)state;
+  files_before = next_file();
   if (!mkdtemp(folder))
     return -1;
   snprintf(path, sizeof path, "%s/dump.exr", folder);
@@ -607,16 +609,20 @@ static void header_is_json(void **state) {
   for (int i = 0; i < 2; i++)
     shade_params_init(&p[i]);
   shade_params_set_exponents(&p[1], 5, 6);
-  const shade_dump_material materials[] = {{odd, &p[0], NULL}, {NULL, &p[1], NULL}};
-  char *text = shade_dump_header(odd, materials, 2);
+  const shade_dump_material materials[] = {
+      {odd, &p[0], NULL}, {NULL, &p[1], NULL}, {odd, NULL, "{\"id\": 2, \"fabric\": {}}"}};
+  char *text = shade_dump_header(odd, materials, 3);
   assert_non_null(text);
   json *header = json_read(text, error, sizeof error);
   if (!header)
     fail_msg("%s in %s", error, text);
   assert_string_equal(json_member(header, "version")->string, SHADE_VERSION);
   assert_string_equal(json_member(header, "renderer")->string, odd);
-  const json *first = json_member(header, "materials")->child, *second = first->next;
-  assert_null(second->next);
+  const json *first = json_member(header, "materials")->child, *second = first->next,
+             *third = second->next;
+  assert_null(third->next);
+  assert_true(json_member(third, "id")->number == 2 && json_member(third, "fabric") &&
+              !json_member(third, "name"));
   assert_string_equal(json_member(first, "name")->string, odd);
   assert_string_equal(json_member(second, "name")->string, "");
   assert_true(json_member(first, "id")->number == 0 && json_member(second, "id")->number == 1);
@@ -631,18 +637,25 @@ static void header_is_json(void **state) {
   free(text);
 }
 
+/* The last test: by those before it. */
+static void all_files_were_closed(void **state) {
+  (void)state;
+  assert_int_equal(next_file(), files_before);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(header_is_json),      cmocka_unit_test(test_create),
-      cmocka_unit_test(test_channel_names),  cmocka_unit_test(test_round_trip),
-      cmocka_unit_test(test_without_color),  cmocka_unit_test(test_write_failures),
-      cmocka_unit_test(test_variants),       cmocka_unit_test(test_not_exr),
-      cmocka_unit_test(test_huge_promise),   cmocka_unit_test(test_damaged),
-      cmocka_unit_test(test_optional),       cmocka_unit_test(test_half_a_channel),
-      cmocka_unit_test(test_even_planes),    cmocka_unit_test(test_what_the_library_cannot_write),
+      cmocka_unit_test(header_is_json),        cmocka_unit_test(test_create),
+      cmocka_unit_test(test_channel_names),    cmocka_unit_test(test_round_trip),
+      cmocka_unit_test(test_without_color),    cmocka_unit_test(test_write_failures),
+      cmocka_unit_test(test_variants),         cmocka_unit_test(test_not_exr),
+      cmocka_unit_test(test_huge_promise),     cmocka_unit_test(test_damaged),
+      cmocka_unit_test(test_optional),         cmocka_unit_test(test_half_a_channel),
+      cmocka_unit_test(test_even_planes),      cmocka_unit_test(test_what_the_library_cannot_write),
 #ifndef _WIN32
-      cmocka_unit_test(test_loaded_library), cmocka_unit_test(test_disk_full),
+      cmocka_unit_test(test_loaded_library),   cmocka_unit_test(test_disk_full),
 #endif
+      cmocka_unit_test(all_files_were_closed),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

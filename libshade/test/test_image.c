@@ -28,8 +28,11 @@ static int files_in_folder(void) {
   return count;
 }
 
+static int files_before;
+
 static int set_up(void **state) {
   (void)state;
+  files_before = next_file();
   return mkdtemp(folder) ? 0 : -1;
 }
 
@@ -260,12 +263,19 @@ static void a_picture_takes_a_free_name_meanwhile(void **state) {
   unlink(path);
 }
 
+/* The last test: by those before it. */
+static void all_files_were_closed(void **state) {
+  (void)state;
+  assert_int_equal(next_file(), files_before);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(png_holds_what_was_written),
                                      cmocka_unit_test(exr_holds_what_was_written),
                                      cmocka_unit_test(bad_requests_are_refused),
                                      cmocka_unit_test(a_picture_given_up_leaves_the_old_file),
                                      cmocka_unit_test(a_picture_takes_a_free_name_meanwhile),
-                                     cmocka_unit_test(png_of_light_has_codes_and_alpha)};
+                                     cmocka_unit_test(png_of_light_has_codes_and_alpha),
+                                     cmocka_unit_test(all_files_were_closed)};
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -22,8 +22,11 @@ enum { DEEP = 24, LONGEST = 4096 };
 static char folder[] = "/tmp/shade-port-XXXXXX";
 static char error[256];
 
+static int files_before;
+
 static int set_up(void **state) {
   (void)state;
+  files_before = next_file();
   return mkdtemp(folder) ? 0 : -1;
 }
 static int tear_down(void **state) {
@@ -271,12 +274,19 @@ static void threads_have_room(void **state) {
   assert_int_equal(sum, ROOM / 2048);
 }
 
+/* The last test: by those before it. */
+static void all_files_were_closed(void **state) {
+  (void)state;
+  assert_int_equal(next_file(), files_before);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(names_of_any_script),    cmocka_unit_test(names_of_any_length),
       cmocka_unit_test(what_stands_in_the_way), cmocka_unit_test(lines_of_any_length),
       cmocka_unit_test(files_as_memory),        cmocka_unit_test(threads_and_time),
       cmocka_unit_test(this_process),           cmocka_unit_test(threads_have_room),
+      cmocka_unit_test(all_files_were_closed),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* COST = 0.1 */
 /* Weaving Information Files: what is read, what is refused and where, and the way back. */
+#define _POSIX_C_SOURCE 200809L
 #include <string.h>
 
 #include "shade/weave.h"
 #include "support.h"
+#include "test/posix.h"
 
 /* What is read with exactly this warning; "" is none. */
 static shade_draft *parse_warned(const char *text, const char *warning) {
@@ -166,8 +168,10 @@ static void refusals(void **state) {
   char error[256];
   assert_null(shade_wif_read("no/such/cloth.wif", error, sizeof error));
   assert_string_equal(error, "no/such/cloth.wif: No such file or directory");
+  const int file = next_file();
   assert_null(shade_wif_read(".", error, sizeof error));
   assert_string_equal(error, ".: Is a directory");
+  assert_int_equal(next_file(), file);
 }
 
 /* Where the file disagrees with itself about how many there are, what is listed decides of shafts
