@@ -60,6 +60,10 @@ def test_height_and_normal_agree_with_points(tmp_path):
     assert heights.min() < -0.001 and heights.max() == 0
     make("--height", tmp_path / "alone.exr", "--size", f"{width}x{height}", *SCRATCHES)
     assert (tmp_path / "alone.exr").read_bytes() == (tmp_path / "h.exr").read_bytes()
+    # averages of 3 x 3 points a texel, which are those of a picture three times as large
+    make("--height", tmp_path / "mean.exr", "--size", f"{width // 3}x{height // 3}", "--samples", 3, *SCRATCHES)
+    mean = heights.reshape(height // 3, 3, width // 3, 3).mean((1, 3))
+    assert np.abs(pixels(tmp_path / "mean.exr")[0][..., 0] - mean).max() < 1e-7 < mean.std()
 
 
 def test_normals_are_the_gradient_of_the_height_file(tmp_path):

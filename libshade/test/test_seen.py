@@ -164,6 +164,9 @@ def test_what_shade_says_of_itself():
         assert good(name, "-h") == good(name, "--help") and good(name, "-h").startswith(f"usage: shade {name} ")
     alone, unknown = shade(), shade("sheen")
     assert (alone.returncode, alone.stdout, alone.stderr) == (2, "", text)
+    told = subprocess.run([SHADE, "--version"], env=os.environ | {"LIBSHADE_ISA": "mmx"}, capture_output=True, text=True, timeout=60, check=True)
+    assert told.stderr.startswith("shade: warning: ") and "mmx" in told.stderr and told.stderr.count("\n") == 1
+    assert told.stdout == good("--version") and re.fullmatch(r"shade \d+\.\d+\.\d+ \((avx512|avx2|sse2|neon|scalar)\)\n", told.stdout)
     assert (unknown.returncode, unknown.stdout, unknown.stderr) == (2, "", f"shade: unknown command 'sheen'\n\n{text}")
 
 
@@ -211,7 +214,8 @@ def test_ranges(map_of_normals, command, option, refused, taken):
 def test_mark_at_the_beginning(first):
     rest = "# remark\n\n0 0 1 .6 0 .8\n"
     text = first + (rest if first.endswith("\n") else "")
-    assert good("eval", text="\ufeff" + text) == good("eval", text=text) != ""
+    plain = good("eval", text=text)
+    assert good("eval", text="\ufeff" + text) == good("eval", text=" \t# said first\n" + text.replace("\n", "\r\n")) == plain != ""
     assert shade("eval", text=text.replace("0 0 1", "0 0 1\ufeff", 1)).returncode == 1
 
 
