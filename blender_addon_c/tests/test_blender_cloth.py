@@ -8,7 +8,7 @@ import pytest
 
 from blender_runs import BUILD, Dump, rgba
 
-COST = 36
+COST = 34
 
 
 def test_cloth_in_blender(blender, tmp_path):

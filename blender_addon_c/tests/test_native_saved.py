@@ -14,7 +14,7 @@ import damaged
 from native_scenes import few, point, render, scene
 from shade_render import COMBINED, TOOL, assert_same, made, parts_of, put_parts, run, scene_file
 
-COST = 4.5
+COST = 4.4
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +133,7 @@ def test_a_broken_file_is_told_by_its_key(tmp_path, path, change, said):
 
 def test_damaged_files(tmp_path, files):
     """Of 5,000 that `make soak` tries under sanitizers."""
-    for seed in range(max(40, few(96))):
+    for seed in range(max(40, few(72))):
         wrong = damaged.wrong_with(files, tmp_path, seed)
         assert not wrong, f"seed {seed}: {wrong}"
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a render and a viewport tell while they work, and what the module is told of lamps, worlds, images and cameras, by tables: told.py."""
 
+import contextlib
 import math
 import os
 import sys
@@ -795,43 +796,140 @@ def beside(node):
     return type("Node", (), {"__getattr__": lambda _self, name: getattr(node, name), "draw_buttons": lambda _self, *given: kind.draw_buttons(node, *given)})()
 
 
+@contextlib.contextmanager
+def bare_cloth():
+    """(a tree, a cloth node in it) with nothing inside for other renderers but its sockets: to make that takes most of the time."""
+    inside = module("fabric.tree")
+
+    def new_tree():
+        made = bpy.data.node_groups.new("bare", "ShaderNodeTree")
+        for name, kind, *_about in inside.SOCKETS:
+            module("group").new_socket(made, name, "INPUT", f"NodeSocket{kind}")
+        return made
+    tree = common.tree_of(bpy.data.materials.new("cloth"))
+    with replaced(inside, can_update=lambda _tree: False, new_tree=new_tree):
+        node = tree.nodes.new("LibshadeFabricNode")
+        node.inputs["Scale"].default_value = 1
+        yield tree, node
+
+
 def test_what_cloth_shows():
     """How large it is by what Size counts, and of a real size its repeat, where one number says it; in the sidebar what a custom cloth is woven of, in older
     files less. A yarn's numbers have panels of their own."""
     common.empty_scene()
-    tree = common.tree_of(bpy.data.materials.new("cloth"))
-    node = tree.nodes.new("LibshadeFabricNode")
+    with bare_cloth() as (tree, node):
+        def shown(draw, **settings):
+            for name, value in settings.items():
+                setattr(node, name, value)
+            drawn = []
+            draw(beside(node), Of(scene=bpy.context.scene), Layout(drawn))
+            return drawn
+        kind, lines = type(node), ["In Cycles, EEVEE", "approximate"]
+        node.preset, node.repeat_mm = "DENIM", (40 / 26, 40 / 17)  # four ends of 26 a cm, four picks of 17
+        real = ["preset", "size_mode", "Repeat: 1.54 × 2.35 mm", *lines, "libshade.measure_cloth"]
+        assert shown(kind.draw_buttons) == real, shown(kind.draw_buttons)
+        node.inputs["Scale"].default_value = -2
+        assert shown(kind.draw_buttons)[2] == "Repeat: 0.769 × 1.18 mm"
+        for scale, linked in ((0, False), (1, True)):
+            node.inputs["Scale"].default_value = scale
+            if linked:
+                tree.links.new(tree.nodes.new("ShaderNodeValue").outputs[0], node.inputs["Scale"])
+            assert shown(kind.draw_buttons) == [*real[:2], *real[3:]], linked
+        assert shown(kind.draw_buttons, size_mode="LENGTH") == ["preset", "size_mode", "size", *lines]
+        assert shown(kind.draw_buttons, size_mode="REPEATS") == (plain := ["preset", "size_mode", "repeats", *lines])
+        more = ["open_gaps", "distance", "weave", "libshade.import_wif", "ends_per_cm", "picks_per_cm", "libshade.convert_to_group", "wm.url_open"]
+        assert shown(kind.draw_buttons_ext) == plain + more
+        assert shown(kind.draw_buttons_ext, weave="DRAFT") == [*plain, *more[:3], "draft, text.new, text.open", "draft_colors", *more[3:]]
+        assert shown(kind.draw_buttons_ext, based_on="") == [*plain, *more[:2], *more[-2:]]
+        for name in ("warp", "weft"):
+            panel, drawn = getattr(module("fabric.node"), f"NODE_PT_libshade_{name}"), []
+            assert [panel.poll(Of(active_node=node)) for node.based_on in ("", "DENIM")] == [False, True] and panel.bl_label == name.title()
+            panel.draw(Of(layout=Layout(drawn), yarn=panel.yarn), Of(active_node=node))
+            assert drawn[:2] == [f"{name}_width", f"{name}_gap"] and {word.split("_")[0] for word in drawn} == {name} and len(drawn) == 17, drawn
+        node.node_tree = bpy.data.node_groups.new("older", "ShaderNodeTree")
+        assert shown(kind.draw_buttons) == ["preset", "size"] and shown(kind.draw_buttons_ext)[2:5] == ["transmission", "open_gaps", "distance"]
 
-    def shown(draw, **settings):
-        for name, value in settings.items():
-            setattr(node, name, value)
-        drawn = []
-        draw(beside(node), Of(scene=bpy.context.scene), Layout(drawn))
-        return drawn
-    kind, lines = type(node), ["In Cycles, EEVEE", "approximate"]
-    node.preset = "DENIM"
-    real = ["preset", "size_mode", "Repeat: 1.54 × 2.35 mm", *lines, "libshade.measure_cloth"]
-    assert shown(kind.draw_buttons) == real, shown(kind.draw_buttons)
-    node.inputs["Scale"].default_value = -2
-    assert shown(kind.draw_buttons)[2] == "Repeat: 0.769 × 1.18 mm"
-    for scale, linked in ((0, False), (1, True)):
-        node.inputs["Scale"].default_value = scale
-        if linked:
-            tree.links.new(tree.nodes.new("ShaderNodeValue").outputs[0], node.inputs["Scale"])
-        assert shown(kind.draw_buttons) == [*real[:2], *real[3:]], linked
-    assert shown(kind.draw_buttons, size_mode="LENGTH") == ["preset", "size_mode", "size", *lines]
-    assert shown(kind.draw_buttons, size_mode="REPEATS") == (plain := ["preset", "size_mode", "repeats", *lines])
-    more = ["open_gaps", "distance", "weave", "libshade.import_wif", "ends_per_cm", "picks_per_cm", "libshade.convert_to_group", "wm.url_open"]
-    assert shown(kind.draw_buttons_ext) == plain + more
-    assert shown(kind.draw_buttons_ext, weave="DRAFT") == [*plain, *more[:3], "draft, text.new, text.open", "draft_colors", *more[3:]]
-    assert shown(kind.draw_buttons_ext, based_on="") == [*plain, *more[:2], *more[-2:]]
-    for name in ("warp", "weft"):
-        panel, drawn = getattr(module("fabric.node"), f"NODE_PT_libshade_{name}"), []
-        assert [panel.poll(Of(active_node=node)) for node.based_on in ("", "DENIM")] == [False, True] and panel.bl_label == name.title()
-        panel.draw(Of(layout=Layout(drawn), yarn=panel.yarn), Of(active_node=node))
-        assert drawn[:2] == [f"{name}_width", f"{name}_gap"] and {word.split("_")[0] for word in drawn} == {name} and len(drawn) == 17, drawn
-    node.node_tree = bpy.data.node_groups.new("older", "ShaderNodeTree")
-    assert shown(kind.draw_buttons) == ["preset", "size"] and shown(kind.draw_buttons_ext)[2:5] == ["transmission", "open_gaps", "distance"]
+
+WIF = """[WIF]
+Version=1.1
+[WEAVING]
+Shafts=2
+Treadles=2
+[WARP]
+Threads=2
+Units=centimeters
+Thickness=.04
+Spacing=.05
+[WEFT]
+Threads=2
+Units=centimeters
+Thickness=.07
+Spacing=.1
+[THREADING]
+1=1
+2=2
+[TIEUP]
+1=1
+2=2
+[TREADLING]
+1=1
+2=2
+"""
+
+
+def test_how_large_a_draft_is():
+    """By its spacing; without one crossings are squares as wide as the thicker yarn, without both as many as there were."""
+    read, bare = module("_native").wif, WIF.replace("Spacing", "Note")
+    for text, counts, sett, widths in ((WIF, (20, 10), "spacing", [(4, 1), (7, 3)]), (bare, (100 / 7, 100 / 7), "thickness", [(4, 3), (7, 0)]),
+                                       (bare.replace("Thickness", "Note"), (10, 10), "even", None)):
+        found = read(text.encode(), "cloth.wif", (20, 5))
+        assert close(found["counts"], counts) and found["sett"] == sett and not found["mended"], found
+        assert not found["widths"] if widths is None else close([width / (width + gap) for width, gap in found["widths"]], [width / (width + gap) for width, gap in widths]), found
+
+
+def test_what_importing_a_draft_says():
+    """What was mended, or whose draft it is now; what is wrong by the file; a size that the file does not state, by what it is; colours of yarns become white
+    where the draft's are to be seen. Files of more than 64 MiB are none."""
+    common.empty_scene()
+    draft, said, folder = module("fabric.draft"), [], bpy.app.tempdir
+    with bare_cloth() as (_tree, node):
+        found = {"counts": (14.0, 7.0), "widths": [(0.3, 0.1), (0.2, 0.6)], "colored": True, "sett": "spacing", "mended": ""}
+
+        def imported(name="one.wif", data=b"[WIF]\r\nx=1\ry=2", **changes):
+            path = os.path.join(folder, name)
+            with open(path, "wb") as file:
+                file.write(data)
+            with replaced(draft, _native=Of(wif=lambda *_given: {**found, **changes}), _MOST_BYTES=1 << 20):
+                return draft.import_wif(node, path)
+        before = tuple(node.inputs["Warp Color"].default_value)
+        node.draft_colors = False
+        assert imported() == "" and tuple(node.inputs["Warp Color"].default_value) == before
+        assert node.draft.name == "one.wif" and node.draft.as_string().split("\n")[:3] == ["[WIF]", "x=1", "y=2"] and node.draft.current_line_index == 0
+        assert close((node.ends_per_cm, node.picks_per_cm, node.warp_width, node.warp_gap, node.weft_width, node.weft_gap), (14, 7, 0.75, 0.25, 0.25, 0.75))
+        node.draft_colors = True
+        assert imported(colored=False) == "" and tuple(node.inputs["Warp Color"].default_value) == before
+        assert imported(mended="3 were mended") == "3 were mended" and all(close(node.inputs[f"{yarn} Color"].default_value, (0.8, 0.8, 0.8, 1)) for yarn in ("Warp", "Weft"))
+        square = "no spacing: square crossings as wide as the yarns are thick, 14 to the centimetre"
+        even = "neither spacing nor thickness: as many crossings as before, but square, 14 to the centimetre"
+        assert imported(sett="thickness") == f"one.wif: {square}" and imported(sett="even", mended="a") == f"a; {even}"
+        try:
+            imported(data=bytes((1 << 20) + 1))
+            raise AssertionError
+        except ValueError as error:
+            assert str(error) == "one.wif: more than 1 MiB; a Weaving Information File was expected"
+        assert imported(data=bytes(1 << 20), name="two.wif") == "" and draft._MOST_BYTES == 64 << 20
+        fake = Of(material="cloth", group="", node=node.name, filepath="/no/such.wif", report=lambda kind, text: said.append((*kind, text)))
+        execute = draft.LIBSHADE_OT_import_wif.execute
+        for answer, change, words in (("mended so", {}, ("WARNING", "mended so")), ("", {}, ("INFO", f"'{node.draft.name}' is the draft of this cloth")),
+                                      (ValueError("line 3"), {}, ("ERROR", "line 3")), (OSError(2, "No such file"), {}, ("ERROR", "/no/such.wif: No such file")),
+                                      (OSError("odd"), {}, ("ERROR", "/no/such.wif: odd")), ("", {"node": "none"}, ("ERROR", "No Libshade Fabric node is chosen"))):
+            def answered(_node, _path, answer=answer):
+                if isinstance(answer, Exception):
+                    raise answer
+                return answer
+            with replaced(draft, import_wif=answered):
+                assert execute(Of(**{**vars(fake), **change}), Of(node=None, active_node=None)) == ({"FINISHED"} if words[0] in ("INFO", "WARNING") else {"CANCELLED"})
+            assert said.pop() == words
 
 
 def test_what_scratches_show():
@@ -960,52 +1058,6 @@ def test_what_operators_say_of_their_work():
     convert(fake(all_materials=True), bpy.context)
     convert(fake(all_materials=False), Of(object=None))
     assert said == ["No Libshade node here to convert"] * 2
-
-
-def test_what_importing_a_draft_says():
-    """What was mended, or whose draft it is now; what is wrong by the file; a size that the file does not state, by what it is; colours of yarns become white
-    where the draft's are to be seen. Files of more than 64 MiB are none."""
-    common.empty_scene()
-    draft, said = module("fabric.draft"), []
-    tree = common.tree_of(bpy.data.materials.new("cloth"))
-    node, folder = tree.nodes.new("LibshadeFabricNode"), bpy.app.tempdir
-    found = {"counts": (14.0, 7.0), "widths": [(0.3, 0.1), (0.2, 0.6)], "colored": True, "sett": "spacing", "mended": ""}
-
-    def imported(name="one.wif", data=b"[WIF]\r\nx=1\ry=2", **changes):
-        path = os.path.join(folder, name)
-        with open(path, "wb") as file:
-            file.write(data)
-        with replaced(draft, _native=Of(wif=lambda *_given: {**found, **changes}), _MOST_BYTES=1 << 20):
-            return draft.import_wif(node, path)
-    before = tuple(node.inputs["Warp Color"].default_value)
-    node.draft_colors = False
-    assert imported() == "" and tuple(node.inputs["Warp Color"].default_value) == before
-    assert node.draft.name == "one.wif" and node.draft.as_string().split("\n")[:3] == ["[WIF]", "x=1", "y=2"] and node.draft.current_line_index == 0
-    assert close((node.ends_per_cm, node.picks_per_cm, node.warp_width, node.warp_gap, node.weft_width, node.weft_gap), (14, 7, 0.75, 0.25, 0.25, 0.75))
-    node.draft_colors = True
-    assert imported(colored=False) == "" and tuple(node.inputs["Warp Color"].default_value) == before
-    assert imported(mended="3 were mended") == "3 were mended" and all(close(node.inputs[f"{yarn} Color"].default_value, (0.8, 0.8, 0.8, 1)) for yarn in ("Warp", "Weft"))
-    square = "no spacing: square crossings as wide as the yarns are thick, 14 to the centimetre"
-    even = "neither spacing nor thickness: as many crossings as before, but square, 14 to the centimetre"
-    assert imported(sett="thickness") == f"one.wif: {square}" and imported(sett="even", mended="a") == f"a; {even}"
-    try:
-        imported(data=bytes((1 << 20) + 1))
-        raise AssertionError
-    except ValueError as error:
-        assert str(error) == "one.wif: more than 1 MiB; a Weaving Information File was expected"
-    assert imported(data=bytes(1 << 20), name="two.wif") == "" and draft._MOST_BYTES == 64 << 20
-    fake = Of(material="cloth", group="", node=node.name, filepath="/no/such.wif", report=lambda kind, text: said.append((*kind, text)))
-    execute = draft.LIBSHADE_OT_import_wif.execute
-    for answer, change, words in (("mended so", {}, ("WARNING", "mended so")), ("", {}, ("INFO", f"'{node.draft.name}' is the draft of this cloth")),
-                                  (ValueError("line 3"), {}, ("ERROR", "line 3")), (OSError(2, "No such file"), {}, ("ERROR", "/no/such.wif: No such file")),
-                                  (OSError("odd"), {}, ("ERROR", "/no/such.wif: odd")), ("", {"node": "none"}, ("ERROR", "No Libshade Fabric node is chosen"))):
-        def answered(_node, _path, answer=answer):
-            if isinstance(answer, Exception):
-                raise answer
-            return answer
-        with replaced(draft, import_wif=answered):
-            assert execute(Of(**{**vars(fake), **change}), Of(node=None, active_node=None)) == ({"FINISHED"} if words[0] in ("INFO", "WARNING") else {"CANCELLED"})
-        assert said.pop() == words
 
 
 def test_when_images_of_cloth_are_made_and_go():
