@@ -96,6 +96,29 @@ def test_ctrl_c_leaves_no_file(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["s.shscene"]
 
 
+def test_what_is_written_of_a_scene(tmp_path):
+    """Arrays once each, at multiples of 64, and names as they are; not what the export keeps for itself. What cannot be written leaves nothing, or what was there."""
+    path, array, other = tmp_path / "s.shscene", np.arange(5, dtype=np.float32), np.arange(5, dtype=np.int32)
+    ours = dict.fromkeys(("aovs", "aov_reach", "by_camera", "catchers", "group", "dump"), 1)
+    given = {"name": "Käse", "number": np.float32(0.5), "one": array, "same": array[:], "other": memoryview(other), "part": array[:2], "bits": array.view(np.int32), **ours}
+    scene_file.write(path, "L", [(given, [COMBINED]), ({"again": array}, [])], [("cryptomatte/a", "ß")])
+    header, arrays = parts_of(path)
+    first, second = header["pictures"]
+    assert first["scene"] == {"name": "Käse", "number": 0.5, "one": {"array": 0}, "same": {"array": 0}, "other": {"array": 1}, "part": {"array": 2}, "bits": {"array": 3}}
+    assert second == {"layer": "L", "passes": [], "scene": {"again": {"array": 0}}} and header["texts"] == [{"name": "cryptomatte/a", "text": "ß"}]
+    assert first["passes"] == [{"name": "Combined", "channels": "RGBA", "plane": "", "exposure": 1.0}] and header["version"] == 1
+    assert [one["offset"] for one in header["arrays"]] == [0, 64, 128, 192] and [one["type"] for one in header["arrays"]] == ["float32", "int32", "float32", "int32"]
+    assert [found.tolist() for found in arrays[:3]] == [[0, 1, 2, 3, 4], [0, 1, 2, 3, 4], [0, 1]] and path.stat().st_size % 64 == 0
+    whole = path.read_bytes()
+    with pytest.raises(ValueError):
+        scene_file.write(path, "L", [({"number": float("nan")}, [])])
+    with pytest.raises(AttributeError):  # in the midst of it
+        scene_file.put(path, "{}", [array, None])
+    with pytest.raises(OSError):
+        scene_file.write(tmp_path / "no" / "s.shscene", "L", [({}, [])])
+    assert path.read_bytes() == whole and [file.name for file in tmp_path.iterdir()] == ["s.shscene"]
+
+
 @pytest.mark.parametrize("change, said", [
     (lambda header, arrays: header.update(version=2), "version must be an integer from 1 to 1"),
     (lambda header, arrays: header["pictures"][0]["scene"].pop("width"), "pictures[0].scene: width is missing"),

@@ -142,7 +142,7 @@ def test_how_a_viewport_is_drawn():
         for stage, factor, finished, warnings, text, more in (("build", 1, False, [], "Building the BVH", True), ("render", 8, False, [], "Sample 0/9", True),
                                                               ("render", 1, False, ["odd"], "Sample 3/9 | odd", True), ("render", 1, True, ["odd", "old"], "odd (and 1 more)", False),
                                                               ("render", 2, True, [], "Sample 0/9", True)):
-            calls, view = [], object()
+            calls, asked, view = [], [], object()
             shown = viewport.Viewport()
             shown._texture, shown._place, shown._job, shown._view, shown._waiting = texture, (3, 4, 13, 24), "job", view, False
             shown._made, shown._finished, shown._scene = Of(factor=factor), finished, {"samples": 9, "materials": []}
@@ -151,10 +151,10 @@ def test_how_a_viewport_is_drawn():
             engine = Of(bind_display_space_shader=lambda _scene, calls=calls: calls.append("bound"), unbind_display_space_shader=lambda calls=calls: calls.append("unbound"))
             state = {"state": "done" if finished else "running", "stage": stage, "sample": 3, "warnings": warnings}
             with replaced(viewport, gpu=gpu, draw_texture_2d=lambda *said, calls=calls: calls.append(said), _view_of=lambda *_which, view=view: view,
-                          _native=Of(poll=lambda _job, state=state: state, slopes=lambda _job: [])):
+                          _native=Of(poll=lambda _job, state=state: state, slopes=lambda _job, asked=asked: asked.append("slopes") or [])):
                 assert shown.draw(engine, Of(space_data=None), Of(scene=scene)) == (text, more), (stage, factor, finished, warnings)
             assert calls == (["ALPHA_PREMULT", "bound", ("picture", (3, 4), 10, 20), "unbound", "NONE"] if texture else []), calls
-            assert [said for said, _error in report.told(scene)] == warnings and shown._behind is False
+            assert [said for said, _error in report.told(scene)] == warnings and shown._behind is False and len(asked) == finished
     shown._advance = lambda *_which: False
     with replaced(viewport, _view_of=lambda *_which: None, gpu=gpu, draw_texture_2d=lambda *_said: None):
         assert shown.draw(engine, Of(space_data=None), Of(scene=scene)) == ("Reading the scene", True)
