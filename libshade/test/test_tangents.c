@@ -435,11 +435,13 @@ static void test_no_uv_at_all(void **state) {
 
 /* By rounding alone a map that has fallen to a slanted line has area: strokes go as without one,
  * along the X axis, or where the surface faces that either way along the Y axis. */
-static void test_a_line(void **state) {
-  (void)state;
+static void check_a_line(float slope) {
   mesh m = tessellate(sphere, 12, 8);
-  for (size_t c = 0; c < 3 * m.triangles; c++)
-    m.uv[2 * c + 1] = m.uv[2 * c] * 0.3f + 0.1f;
+  for (size_t c = 0; c < 3 * m.triangles; c++) { /* no two corners of a triangle alike */
+    const float *p = m.position + 3 * c;
+    m.uv[2 * c] = 0.7f * p[0] + 0.23f * p[1] + 0.31f * p[2];
+    m.uv[2 * c + 1] = m.uv[2 * c] * slope + 0.1f;
+  }
   for (int k = 0; k < 3; k++)
     m.normal[k] = k ? 0.0f : -1.0f;
   assert_int_equal(solve(&m), 3 * (long)m.triangles);
@@ -451,6 +453,13 @@ static void test_a_line(void **state) {
       assert_true(fabsf(t[k] - ((k == axis ? 1.0f : 0.0f) - n[axis] * n[k]) / length) < 1e-5f);
   }
   free_mesh(&m);
+}
+
+static void test_a_line(void **state) {
+  (void)state;
+  static const float slopes[] = {0.3f, 0.01f, 0.0007f, 30, -1, 4000};
+  for (size_t k = 0; k < sizeof slopes / sizeof *slopes; k++)
+    check_a_line(slopes[k]);
 }
 
 /* Triangles that a map leaves without area go as those at the same place. */
