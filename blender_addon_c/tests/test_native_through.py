@@ -63,6 +63,23 @@ def test_as_many_panes_as_paths_may_pass(most, through):
                                clear * 0.125 * through, rtol=1e-5)
 
 
+@pytest.mark.parametrize("panes, through", [(8, 1), (9, 0)])
+def test_eight_panes_where_nothing_is_said(panes, through):
+    made = [(0.6 + 0.05 * k, pane(1.0)) for k in range(panes)]
+    np.testing.assert_allclose(seen([SHARP["sun"]], made, samples=1), through * seen([SHARP["sun"]], samples=1), rtol=2e-5)
+
+
+@pytest.mark.parametrize("most", [1, 2, 3])
+def test_paths_may_pass_one_pane_less_than_before(most):
+    """As in Cycles from 5.0 on: on the way from the eye to what shines as many as one fewer allowed; not on that to the sun."""
+    made, shines = [(0.6 + 0.1 * k, pane(1.0)) for k in range(most + 1)], of(weighed(EMISSION, 1.0))
+    before, less, fewer = (seen([], made, shines, camera=ortho(half=1e-3), samples=1, transparent_max_bounces=allowed, transparent_less=one_less)
+                           for allowed, one_less in ((most, False), (most, True), (most - 1, False)))
+    assert (before == 1).all() and (less == 0).all() and (fewer == 0).all()
+    shadows = [seen([SHARP["sun"]], made[:most], samples=1, transparent_max_bounces=most, transparent_less=one_less) for one_less in (False, True)]
+    assert (shadows[0] == shadows[1]).all() and shadows[0].min() > 0
+
+
 def test_panes_that_the_path_has_passed_count_too():
     """The eye above: two panes on the way to the plate, two on the way to the sun."""
     made = [(0.6, pane(0.5)), (0.8, pane(0.5))]

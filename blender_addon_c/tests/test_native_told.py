@@ -148,3 +148,16 @@ def test_what_moves_to_no_size_is_said(end, said):
     words = "wing moves too far, or to no size, while the shutter is open: it is not blurred"
     picture, state = render(given)
     assert state["warnings"] == [words] * said and (not said or (picture[..., 3] == 1).all())
+
+
+def test_what_an_object_is_that_says_nothing():
+    """White, of number 0 and of chance 0."""
+    nodes = [{"type": "OBJECT", "what": "COLOR", "out": registers(3, 3)}, {"type": "OBJECT", "what": "NUMBERS", "out": registers(6, 3)}]
+    shown = []
+    for weight in (registers(3, 3), registers(6, 3)):
+        shines = {"name": "shows", "closure": "EMISSION", "weight": weight, "nodes": nodes}
+        given = scene(materials=[shines], lights=[], transparent=False, samples=1, width=2, height=2)
+        shown.append(render(given)[0][0, 0, :3].tolist())
+        given["instances"][0] |= {"color": (0.5, 0.25, 1, 1), "random": 0.75, "pass_index": 3}
+        shown.append(render(given)[0][0, 0, :3].tolist())
+    assert shown == [[1, 1, 1], [0.5, 0.25, 1], [1, 0, 0], [1, 3, 0.75]], shown  # alpha, index, random
