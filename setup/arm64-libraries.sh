@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# What `make check-arm64` links and opens, from the archive of Debian 12 and checked by apt, unpacked into FOLDER: Embree, TBB,
-# OpenEXR, libpng and zlib for arm64.
+# What `make check-arm64` links and opens, and shade-render of `make linux-arm64` brings, from the archive of Debian 12 and checked
+# by apt, unpacked into FOLDER: Embree, TBB, OpenEXR, libpng and zlib for arm64.
 #   setup/arm64-libraries.sh FOLDER
 set -eu
 [ $# -eq 1 ] || { sed -n '3,5s/^# \?//p' "$0" >&2; exit 2; }

@@ -30,7 +30,7 @@ def normal_in(reader, node, groups, name="Normal"):
 
 def add(reader, closure, weight, normal=None, color=None):
     """weight: three parts, or one for all. What weighs nothing is left out. A `stock` metal is one of
-    Cycles' own shaders; of one with `shape` long slopes of bumps are the object's own. color: in passes of colour, where
+    Cycles' own shaders; of one with `shape` slopes of long waves are the object's own. color: in passes of colour, where
     it is not what the closure says, by its weight."""
     stock, shape = closure.pop("stock", False), closure.pop("shape", False)
     if stock:

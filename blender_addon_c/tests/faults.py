@@ -76,7 +76,7 @@ def main():
     assert once(given) == ["done "] * 3, once(given)
     watch_module()
     (plain, same), (bumped, more) = ([calls(horizon=horizon, normal_image=at) for horizon in ("hard", "mutual")] for at in (-1, 0))
-    assert plain == same and bumped < more  # slopes are looked for where there are bumps
+    assert plain == same and bumped < more, (plain, same, bumped, more)  # slopes are looked for where there are bumps
     faults.faults_set(0, 0)
     once(given)
     total = faults.faults_count()

@@ -82,6 +82,7 @@ def test_archives(name, tmp_path):
         assert set(re.findall(r"NEEDED.*\[(.*)\]", said("readelf", "-d", file))) <= MAY_NEED.get(file.name, SYSTEM) | {"ld-linux-aarch64.so.1"}
         latest = (2, 34) if arm and file.name.startswith("libshade_") else GLIBC  # Embree and TBB of Debian 12
         assert max(versions(file, "GLIBC")) <= latest and str(ROOT).encode() not in file.read_bytes(), file
+        assert max(versions(file, "GLIBCXX"), default=GLIBCXX) <= ((3, 4, 29) if arm else GLIBCXX), file
         assert ("AArch64" if arm else "X86-64") in said("readelf", "-h", file)
     tool, = (p for p in elves if p.name in ("shade", "shade-render"))
     if arm and not (shutil.which(ARM64[0]) and os.path.exists(ARM64[2])):

@@ -365,18 +365,3 @@ def test_dump_that_cannot_be_written(tmp_path):
     native.image(job, out)  # the picture itself is there
     assert (out[..., 3] == 1).all()
     native.free(job)
-
-
-@pytest.mark.parametrize("lost, said", [(0, []), (1, []), (2, []), (3, ["3%"]), (99, ["99%"]), (100, ["no area: its tangent"])])
-def test_how_much_of_a_uv_map_may_have_no_area(lost, said):
-    """Of a hundred triangles: a map has some at its poles, of which nothing is said."""
-    strip = np.array([[k, 0, 0] for k in range(101)] + [[k, 1, 0] for k in range(101)], float)
-    triangles = [[k, k + 1, 101 + k] for k in range(100)]
-    uvs = strip[:, :2].copy()
-    given = mesh(strip, triangles, uvs=uvs)
-    given["corner_uvs"].reshape(100, 3, 2)[:lost] = 0.5
-    job = native.start(scene(meshes=[given], materials=[material(ex=100.0, ey=10.0)], width=4, height=4))
-    found = finish(job)["warnings"]
-    native.free(job)
-    assert len(found) == len(said) and all(word in text for word, text in zip(said, found)), found
-

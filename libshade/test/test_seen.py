@@ -164,9 +164,11 @@ def test_what_shade_says_of_itself():
         assert good(name, "-h") == good(name, "--help") and good(name, "-h").startswith(f"usage: shade {name} ")
     alone, unknown = shade(), shade("sheen")
     assert (alone.returncode, alone.stdout, alone.stderr) == (2, "", text)
-    told = subprocess.run([SHADE, "--version"], env=os.environ | {"LIBSHADE_ISA": "mmx"}, capture_output=True, text=True, timeout=60, check=True)
+    by = {isa: subprocess.run([SHADE, "--version"], env=os.environ | {"LIBSHADE_ISA": isa}, capture_output=True, text=True, timeout=60, check=True)
+          for isa in ("mmx", "")}
+    told = by["mmx"]
     assert told.stderr.startswith("shade: warning: ") and "mmx" in told.stderr and told.stderr.count("\n") == 1
-    assert told.stdout == good("--version") and re.fullmatch(r"shade \d+\.\d+\.\d+ \((avx512|avx2|sse2|neon|scalar)\)\n", told.stdout)
+    assert told.stdout == by[""].stdout and re.fullmatch(r"shade \d+\.\d+\.\d+ \((avx512|avx2|sse2|neon|scalar)\)\n", told.stdout)
     assert (unknown.returncode, unknown.stdout, unknown.stderr) == (2, "", f"shade: unknown command 'sheen'\n\n{text}")
 
 
@@ -385,7 +387,7 @@ def test_progress_and_its_end(tmp_path, words, side, how):
 def test_the_time_left_falls(tmp_path):
     terminal, inner = pty.openpty()
     begun = time.monotonic()
-    process = subprocess.Popen([SHADE, "swatch", "turned_brass", "-o", tmp_path / "a.png", "--threads", "1", "--size", "70"], stderr=inner)
+    process = subprocess.Popen([SHADE, "swatch", "turned_brass", "-o", tmp_path / "a.png", "--threads", "1", "--size", "110"], stderr=inner)
     os.close(inner)
     told = b""
     with contextlib.suppress(OSError):  # Linux says so at its end
@@ -394,5 +396,5 @@ def test_the_time_left_falls(tmp_path):
     took = time.monotonic() - begun
     os.close(terminal)
     process.wait(60)
-    part, left = re.findall(rb"(\d+) % +(\d+) s left", told)[-1]
-    assert int(part) > 50 and int(left) <= (1.5 - int(part) / 100) * took + 0.5
+    notes = [(int(part) / 100, int(left)) for part, left in re.findall(rb"(\d+) % +(\d+) s left", told)]
+    assert (notes or took < 1) and all(left <= (1.5 - part) * took + 0.5 for part, left in notes if part > 0.5), (took, notes)

@@ -7,7 +7,7 @@
  * write it; `slopes`, of horizon `mutual`, five numbers: the mean slope along x and y of all bumps
  * and their second moment, xx, xy, yy, about it; else they are found (render/relief.h); and
  * `moment_from`, three operands, that of a RELIEF node, which counts where bumps are uneven, and
- * `mean_from`, two, the mean of one whose long slopes are the surface's shape.
+ * `mean_from`, two, the mean of one whose long waves are the surface's shape.
  * `apart`: Smith's shadowing of each direction by itself, as Cycles' GGX and Beckmann had it
  * until 3.6, not of both together. `film_thickness` and, with it, what else node/interference.h
  * reads: what it reflects is by that, too; of the metal f0 counts, no Fresnel.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How steep bumps are about a point: writes `out`, the second moment xx, xy, yy of their slopes, of
- * which render/relief.h has made a map; 0 where bumps are even. With `shape` long slopes are the
+ * which render/relief.h has made a map; 0 where bumps are even. With `shape` long waves are the
  * surface's own: `out` has their mean x, y, too, and the moment is about that. */
 #ifndef LIBSHADE_NODE_RELIEF_H
 #define LIBSHADE_NODE_RELIEF_H

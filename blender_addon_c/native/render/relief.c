@@ -13,6 +13,7 @@
 /* Of a material: of POINTS the root of a variance is within 2 %. Where bumps may be uneven FINE
  * make a map. Its cells, SIDE along either axis, hold four of them, as those of a first one do. */
 enum { POINTS = 4 * BATCH, FIRST_SIDE = 32, FINE = 256 * BATCH, SIDE = 256, COARSEST = 8 };
+_Static_assert((int)COARSEST >= (int)RELIEF_WIDER, "a shape has a cell");
 
 static bool is_mutual(const closure *c) {
   return c->type == CLOSURE_METAL && c->of.metal.params.horizon == SHADE_HORIZON_MUTUAL;
@@ -192,7 +193,8 @@ static double left_out(const cell *cells, const cell *windows, int side) {
 }
 
 /* The square of the UV map that the bumps lie in; all of it, again and again, where that is larger.
- * About a shape there is a rim of its widest cells, so that no window reaches the other side. */
+ * About a shape there is a rim as wide as the finest map's cells of means, so that none of its
+ * windows reaches the other side; those of a coarser one at the edge do. */
 static void frame(const bumps *all, bool shape, relief_map *map) {
   float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
   for (const bump *b = all->of; b < all->of + all->count; b++) {
@@ -329,6 +331,8 @@ static relief_map *map_of(const bumps *all, moments *m, int side, bool shape, do
       const float here[3] = {w.xx, w.xy, w.yy}, part = near / (w.count + none);
       for (int i = 0; i < 3; i++) /* where nothing was seen that of all */
         map->moment[k][i] = whole[i] + part * (here[i] - w.count * whole[i]);
+      for (int i = 0; i < 3; i += 2) /* about a shape they are differences, which round */
+        map->moment[k][i] = fmaxf(map->moment[k][i], 0.0f);
     }
   }
   free(cells);

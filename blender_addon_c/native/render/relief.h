@@ -11,7 +11,8 @@
 /*
  * Sets the mean slope and the second moment about it of every closure that wants them, of a scene
  * whose world is built. Where bumps are uneven its RELIEF node gets a map of moments in a window
- * about a point. False when out of memory.
+ * about a point; one of a shape gets one always, with the means of wide windows, too. False when
+ * out of memory.
  */
 bool relief_find(scene *s, const atomic_bool *cancel);
 
