@@ -82,7 +82,7 @@ def both(tool, folder, path, *words, share=0.999):
     """The same warnings, too."""
     said = []
     for name, of in (("ours", {"tool": tool}), ("linux", {})):
-        done = run(path, "-o", folder / f"{name}.exr", *words, seconds=300, **of)
+        done = run(path, "-o", folder / f"{name}.exr", *words, seconds=900, **of)
         assert done.returncode == 0, done.stderr
         said.append(done.stderr)
     assert said[0] == said[1]
