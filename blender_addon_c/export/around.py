@@ -354,7 +354,7 @@ class Shine:
         rows, most = _ROWS[self._kept is not None]
         data = self._rendered(min(max([rows, *(image["height"] for image in self._reader.images.listed)]), most))
         return {"width": data.shape[1], "height": data.shape[0], "channels": 3, "data": data.ravel(), "srgb": False,
-                "wrap": "REPEAT", "filter": "LINEAR"}
+                "wrap": "EXTEND", "filter": "LINEAR"}  # at either pole no more of the other one
 
     def shader(self, rows, images):
         """Where neighbours within a texel of a picture of so many rows differ, its nodes as those of a material, which each sample

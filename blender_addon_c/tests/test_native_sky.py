@@ -8,7 +8,7 @@ import pytest
 from native_scenes import chance, image, ortho, persp, registers, render, scene, sky, unit
 from test_native_light_paths import SURFACES, of_plate, picture, reflected
 
-COST = 3.2
+COST = 3.3
 
 TO = np.array((-0.6, 0, 0.8))  # seen from the eye, the plate's middle looks at it
 TURN = np.diag((-1.0, -1.0, 1.0))  # the sky's sun stands above its x axis
@@ -105,3 +105,15 @@ def test_noise_of_a_sky_is_new_for_each_sample(samples):
 def test_noise_of_a_sky_lights():
     """By light samples and drawn rays together: what its mean gives."""
     np.testing.assert_allclose(of_plate(None, [], **noisy()), (0.5, 1, 0.25), rtol=chance(0.01))
+
+
+@pytest.mark.parametrize("wrap, share", [("EXTEND", 1.0), ("REPEAT", 0.5)])
+@pytest.mark.parametrize("filter_, to", [("LINEAR", 1), ("LINEAR", -1), ("CLOSEST", -1)])
+def test_poles_of_an_image_around_everything(wrap, share, filter_, to):
+    """What ends there has its last row's colour, what repeats half of the other pole's, as images of Cycles have."""
+    pixels = np.zeros((8, 16, 3), np.float32)
+    pixels[0], pixels[-1] = (1, 0, 0), (0, 0, 1)
+    seen = picture(images=[image(pixels, wrap=wrap, filter=filter_)], sky=sky(), lights=[], meshes=[], instances=[], transparent=False, samples=1,
+                   camera=ortho(1e-3, (0, 0, 0), (0, 0, to)))[8, 8]
+    share = 1.0 if filter_ == "CLOSEST" else share
+    np.testing.assert_allclose(seen, (share, 0, 1 - share) if to < 0 else (1 - share, 0, share), atol=1e-3)

@@ -193,6 +193,7 @@ bool sky_build(sky *s, const image *images, sky_look *look, int threads,
   s->width = source ? source->width : ATMOSPHERE_COLUMNS;
   s->height = source ? source->height : ATMOSPHERE_ROWS;
   s->closest = source && source->closest ? UINT32_MAX : 0;
+  s->ends = source && source->wrap == WRAP_REPEAT ? 0 : UINT32_MAX;
   size_t texels = ((size_t)s->width + 1) * ((size_t)s->height + 1);
   s->texel = malloc(4 * texels * sizeof *s->texel);
   s->row = malloc((SKY_ROWS + 1) * sizeof *s->row);
@@ -211,7 +212,7 @@ bool sky_build(sky *s, const image *images, sky_look *look, int threads,
   else
     return false;
   atmosphere_free(&s->air);
-  memcpy(s->texel + stride * (last + 1), s->texel + (source ? 0 : stride * last),
+  memcpy(s->texel + stride * (last + 1), s->texel + (s->ends ? stride * last : 0),
          stride * sizeof *s->texel);
   parallel_for(threads, SKY_ROWS, fill_row, &task);
   sum_up(s);

@@ -45,7 +45,10 @@ typedef struct sky {
 
   /* made by sky_build */
   int width, height;
-  float *texel;   /* r g b 0, times strength; one column and one row more repeat the first */
+  uint32_t ends;  /* the lowest and the highest row end at the poles, else each goes on as the
+                     other, as Cycles' images do; for either() */
+  float *texel;   /* r g b 0, times strength; one column more repeats the first, and one row more
+                     the first, or the last where it ends at a pole */
   float *row;     /* part of the light below row i; SKY_ROWS + 1 */
   float *column;  /* the same within each row; SKY_ROWS times SKY_COLUMNS + 1 */
   float *coarse;  /* every SKY_STRIDE-th of these sums: 64 KB, where the search begins */

@@ -19,7 +19,8 @@ LEAF void sky_place(const sky *s, vec3 d, float *x, float *y) {
   float rise = 2.0f * v - 1.0f;
   u = either(s->ball, 0.5f + q.x * scale, u);
   v = either(s->ball, 0.5f + q.z * scale, v);
-  v = either(s->dome, clampf(0.5f + 0.5f * copysignf(sqrtf(fabsf(rise)), rise), 0.0f, 0.99999f), v);
+  v = either(s->dome, 0.5f + 0.5f * copysignf(sqrtf(fabsf(rise)), rise), v);
+  v = either(s->ends, clampf(v, 0.0f, 0.99999f), v);
   u -= floor_small(u);
   v -= floor_small(v);
   float half = either(s->closest, 0.0f, 0.5f);
@@ -27,7 +28,7 @@ LEAF void sky_place(const sky *s, vec3 d, float *x, float *y) {
   *x = u * width - half;
   *y = v * height - half;
   *x = *x < 0.0f ? *x + width : *x;
-  *y = *y < 0.0f ? either(s->dome, 0.0f, *y + height) : *y;
+  *y = *y < 0.0f ? either(s->ends, 0.0f, *y + height) : *y;
 }
 
 /* Squared distance from the middle of the sun's disc over that of its rim. */

@@ -1387,6 +1387,29 @@ def test_maps_in_a_row_turn_a_world_in_their_order():
     assert close(np.reshape(read(scene)[0]["sky"]["matrix"], (3, 4))[:, :3], [(0, -1, 0), (2, 0, 0), (0, 0, 1)])
 
 
+def test_a_world_of_nodes_at_its_poles():
+    """An eye that sees along parallel lines sees one direction: straight down the lowest one's colour, straight up the highest one's."""
+    import tempfile
+    scene = common.empty_scene(4, 4, samples=1)
+    world = scene.world = bpy.data.worlds.new("world")
+    tree = common.tree_of(world)
+    place, half = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeVectorMath")
+    half.operation = "MULTIPLY_ADD"
+    half.inputs[1].default_value = half.inputs[2].default_value = (0.5,) * 3
+    tree.links.new(place.outputs["Generated"], half.inputs[0])
+    tree.links.new(half.outputs[0], next(node for node in tree.nodes if node.type == "BACKGROUND").inputs["Color"])
+    camera = common.camera(scene)
+    camera.data.type, camera.data.ortho_scale, scene.render.film_transparent = "ORTHO", 1, False
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+    with tempfile.TemporaryDirectory() as folder:
+        for turn, blue in ((0.0, 0.0), (math.pi, 1.0)):
+            camera.rotation_euler = (turn, 0, 0)
+            common.render(os.path.join(folder, "a.exr"))
+            image = bpy.data.images.load(os.path.join(folder, "a.exr"))
+            assert np.allclose(np.reshape(image.pixels[:], (-1, 4))[:, :3], (0.5, 0.5, blue), atol=0.02), (turn, image.pixels[:4])
+            bpy.data.images.remove(image)
+
+
 def test_where_baked_scratches_take_their_tangents():
     """From the UV map that Vector names, past reroutes; the active one's for Texture Coordinate's; none for other places."""
     images = module("scratches.images")
