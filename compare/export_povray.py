@@ -248,8 +248,6 @@ def texture_text(material, folder, middle):
         raise ExportError(f"{what}, Bumps Are: no block of POV-Ray's has a Shape; set it to Relief to write the rest")
     tangent, turn = tangent_text(node, middle, what)
     said = settings_of(node, what)
-    if said["horizon"] == "mutual" and not bump:  # what it is without bumps, which POV-Ray would warn of
-        said["horizon"] = "hard"
     specular = f"specular rgb {vector(colour)}\n      "
     if said["fresnel"] == "conductor":  # after it the word would colour it
         if said["diffuse"] == "ashikhmin_shirley" and any(said["kd"]):

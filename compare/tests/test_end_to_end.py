@@ -126,8 +126,6 @@ WRITTEN = [
     ("n.grain = 'RADIAL_Z'", ["tangent radial <-0.0, -1.0, -0.0> at <"]),
     ("n.grain = 'AXIS_Y'; n.inputs['Rotation'].default_value = 0.5", ["tangent <-1e-06, -0.001, -1.0>"]),
     ("n.inputs['Rotation'].default_value = 1.5", ["tangent uv", "rotate 180*z"]),
-    ("n.horizon = 'MUTUAL'", ["horizon mutual"]),
-    ("n.horizon = 'MUTUAL'; n.bump_response = 'IGNORE'", ["horizon hard"]),  # all the same, without a warning
 ]
 # What is not of a material: the file that says it, what it says
 SCENE = "s = bpy.context.scene; "
