@@ -255,6 +255,8 @@ def test_photometric_files(blender, tmp_path):
         if engine == "LIBSHADE":
             assert "ends where a candela value was expected" in text and "no line that begins with TILT=" in text
     for name, ours, theirs in zip(given, shown["LIBSHADE"][::-1], shown["CYCLES"][::-1]):
+        if name == "cut":  # Cycles reads on behind its end, where now and then there are numbers
+            theirs = np.full_like(ours, 100.0)
         off = np.abs(ours - theirs).max() / max(theirs.max(), 1)
         print(f"{name}: {off:.5f} of {theirs.max():.3f}")
         assert off < 0.004, name
