@@ -387,7 +387,7 @@ def test_progress_and_its_end(tmp_path, words, side, how):
 def test_the_time_left_falls(tmp_path):
     terminal, inner = pty.openpty()
     begun = time.monotonic()
-    process = subprocess.Popen([SHADE, "swatch", "turned_brass", "-o", tmp_path / "a.png", "--threads", "1", "--size", "110"], stderr=inner)
+    process = subprocess.Popen([SHADE, "swatch", "turned_brass", "-o", tmp_path / "a.png", "--threads", "1", "--size", "75"], stderr=inner)
     os.close(inner)
     told = b""
     with contextlib.suppress(OSError):  # Linux says so at its end
