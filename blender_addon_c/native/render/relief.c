@@ -251,7 +251,7 @@ static cell about(cell c, float x, float y) {
 }
 
 /* The mean in wide windows, and what is left of cells about it; `spare` has room for them. */
-static void take_off(const cell *cells, int side, float (*mean)[2], cell *left, cell *spare) {
+static void detrend(const cell *cells, int side, float (*mean)[2], cell *left, cell *spare) {
   const int wide = side / RELIEF_WIDER;
   const float none = 1e-3f, cell_size = 1 / (float)side;
   memcpy(left, cells, (size_t)side * (size_t)side * sizeof *cells);
@@ -316,7 +316,7 @@ static relief_map *map_of(const bumps *all, moments *m, int side, bool shape, do
     fill(all, m, map, cells);
     for (;; map->side /= 2) {
       if (shape)
-        take_off(cells, map->side, map->mean, left = windows + room, windows);
+        detrend(cells, map->side, map->mean, left = windows + room, windows);
       blur(left, map->side, windows);
       if (map->side == COARSEST || left_out(left, windows, map->side) <= most)
         break;

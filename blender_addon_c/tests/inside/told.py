@@ -1429,26 +1429,22 @@ def test_where_baked_scratches_take_their_tangents():
 
 
 def test_which_cloth_goes_with_a_scenes_unit():
-    """What counts in metres, or lies by the world's; not what counts in the UV map's units, nor what is another file's."""
+    """What is so many units large, or of real size by the world's place; not what is so by its UV map."""
     size, scene = module("fabric.size"), common.empty_scene()
     tree = common.tree_of(bpy.data.materials.new("cloth"))
     place, told = tree.nodes.new("ShaderNodeNewGeometry"), []
-    for name, mode, linked in (("length", "LENGTH", False), ("world", "REAL", True), ("map", "REAL", False), ("count", "CROSSINGS", False)):
+    for name, mode, linked in (("length", "LENGTH", False), ("world", "REAL", True), ("map", "REAL", False)):
         node = tree.nodes.new("LibshadeFabricNode")
-        node.name, node.size_mode = name, mode if mode in {item.identifier for item in node.bl_rna.properties["size_mode"].enum_items} else node.size_mode
+        node.name, node.size_mode = name, mode
         if linked:
             tree.links.new(place.outputs["Position"], node.inputs["Vector"])
-    modes = {node.name: (node.size_mode, size.space_of(node)) for node in tree.nodes if node.bl_idname == "LibshadeFabricNode"}
-    wanted = sorted(name for name, (mode, space) in modes.items() if mode == "LENGTH" or space == "WORLD")
-    assert wanted == ["length", "world"] and modes["map"] == ("REAL", "MAP")
     size.follow_unit(scene)
-    kind = type(tree.nodes["length"])
-    with replaced(kind, update_preview=lambda node, unit=None: told.append((node.name, unit))):
+    with replaced(type(tree.nodes["length"]), update_preview=lambda node, unit=None: told.append((node.name, unit))):
         size.follow_unit(scene)
         assert told == []
         scene.unit_settings.scale_length = 0.01
         size.follow_unit(scene)
-        assert sorted(told) == [(name, scene.unit_settings.scale_length) for name in wanted], told
+        assert sorted(told) == [(name, scene.unit_settings.scale_length) for name in ("length", "world")], told
 
 
 def test_pictures_of_a_sequence_are_read_as_their_image_says():
