@@ -63,7 +63,7 @@ SHADE_OBJ := $(call isa_units,$(ISAS)) $(call in_both,dispatch fabric_eval) $(O)
   $(O)/src/draft.o $(O)/src/weave.o $(O)/src/wif_words.o $(O)/src/wif_read.o \
   $(O)/src/wif_draft.o $(O)/src/wif_write.o
 SHADE_OBJ += $(O)/src/moments.o $(O)/src/scratch.o $(O)/src/scratch_bins.o $(O)/src/scratch_table.o \
-  $(O)/src/slopes.o $(O)/src/albedo.o
+  $(O)/src/slopes.o $(O)/src/relief.o $(O)/src/albedo.o
 SHADE_OBJ += $(O)/port/files.o $(if $(TARGET_IS_MACOS),$(O)/port/processor.o)
 PORT_OBJ := $(O)/port/process.o $(O)/port/threads.o $(O)/port/map.o
 REF_OBJ := $(patsubst $(L)/reference/%.c,$(O)/reference/%.o,$(wildcard $(L)/reference/*.c))

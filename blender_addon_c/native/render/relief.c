@@ -10,10 +10,9 @@
 #include "node/node.h"
 #include "render/hits.h"
 
-/* Of a material: of POINTS the root of a variance is within 2 %. Where bumps may be uneven FINE
- * make a map. Its cells, SIDE along either axis, hold four of them, as those of a first one do. */
-enum { POINTS = 4 * BATCH, FIRST_SIDE = 32, FINE = 256 * BATCH, SIDE = 256, COARSEST = 8 };
-_Static_assert((int)COARSEST >= (int)RELIEF_WIDER, "a shape has a cell");
+/* Of a material: of POINTS the root of a variance is within 2 %. Where bumps may be uneven FINE say
+ * where. */
+enum { POINTS = 4 * BATCH, FINE = 256 * BATCH };
 
 static bool is_mutual(const closure *c) {
   return c->type == CLOSURE_METAL && c->of.metal.params.horizon == SHADE_HORIZON_MUTUAL;
@@ -109,259 +108,52 @@ static size_t aim_down(const point *points, size_t count, rays *ray) {
   return made;
 }
 
-/* What a closure's normals say at points that were looked at. */
-typedef struct bump {
-  float u, v, x, y; /* a place of the UV map, a slope */
-} bump;
+/* What a closure's normals say at points that were looked at: places of the UV map, and slopes. */
 typedef struct bumps {
   size_t count;
-  bump *of;
+  float *u, *v, *x, *y; /* in one piece */
 } bumps;
+
+static bool bumps_room(bumps *b, size_t count) {
+  b->u = malloc(4 * count * sizeof *b->u);
+  if (b->u) {
+    b->v = b->u + count;
+    b->x = b->v + count;
+    b->y = b->x + count;
+  }
+  return b->u != NULL;
+}
 
 /* Those of the normals that a closure takes, in the run of its material. */
 static void add_bumps(const closure_metal *c, lane_run run, const batch *b, bumps *to) {
   const float shallowest = 0.02f;
   for (size_t i = run.begin; i < run.end; i++) {
     const vec3 n = normal_at(&b->input, c->normal, i);
-    const float u = b->surface.u[i], v = b->surface.v[i];
-    if (n.z > shallowest && isfinite(u) && isfinite(v))
-      to->of[to->count++] = (bump){u, v, -n.x / n.z, -n.y / n.z};
+    if (!(n.z > shallowest))
+      continue;
+    to->u[to->count] = b->surface.u[i];
+    to->v[to->count] = b->surface.v[i];
+    to->x[to->count] = -n.x / n.z;
+    to->y[to->count++] = -n.y / n.z;
   }
 }
 
-/* Slopes of bumps: their mean, and the second moment about it. */
-typedef struct moments {
-  double x, y, xx, xy, yy;
-} moments;
-
-static moments moments_of(const bumps *all) {
-  moments m = {0};
-  const double share = 1 / (double)all->count;
-  for (const bump *b = all->of; b < all->of + all->count; b++) {
-    m.x += share * (double)b->x;
-    m.y += share * (double)b->y;
-  }
-  for (const bump *b = all->of; b < all->of + all->count; b++) {
-    const double x = (double)b->x - m.x, y = (double)b->y - m.y;
-    m.xx += share * x * x;
-    m.xy += share * x * y;
-    m.yy += share * y * y;
-  }
-  return m;
-}
-
-/* Sums of slopes in a cell, taken from the mean. */
-typedef struct cell {
-  float count, x, y, xx, xy, yy;
-} cell;
-
-static cell plus(cell a, cell b) {
-  return (cell){a.count + b.count, a.x + b.x, a.y + b.y, a.xx + b.xx, a.xy + b.xy, a.yy + b.yy};
-}
-
-static const cell *cell_at(const cell *cells, int side, int x, int y) {
-  return &cells[(y & (side - 1)) * side + (x & (side - 1))];
-}
-
-/* Windows of 3 by 3 cells, by 1, 2 and 1 along either axis: those of 2 come twice. */
-static void blur(const cell *cells, int side, cell *to) {
-  for (int k = 0; k < side * side; k++) {
-    const int x = k % side, y = k / side;
-    cell sum = {0};
-    for (int j = 0; j < 16; j++)
-      sum = plus(sum, *cell_at(cells, side, x + j % 4 / 2 + j % 2 - 1, y + j / 8 + j / 4 % 2 - 1));
-    to[k] = sum;
-  }
-}
-
-static void halve(cell *cells, int side) {
-  for (int k = 0; k < side * side / 4; k++) {
-    const cell *low = cells + 4 * (k / (side / 2)) * (side / 2) + 2 * (k % (side / 2));
-    cells[k] = plus(plus(low[0], low[1]), plus(low[side], low[side + 1]));
-  }
-}
-
-/* The squares of the means in windows, which is what windows do not hold. */
-static double left_out(const cell *cells, const cell *windows, int side) {
-  double sum = 0;
-  for (int k = 0; k < side * side; k++) {
-    const cell w = windows[k];
-    if (cells[k].count > 0)
-      sum += (double)(cells[k].count * (w.x * w.x + w.y * w.y) / (w.count * w.count));
-  }
-  return sum;
-}
-
-/* The square of the UV map that the bumps lie in; all of it, again and again, where that is larger.
- * About a shape there is a rim as wide as the finest map's cells of means, so that none of its
- * windows reaches the other side; those of a coarser one at the edge do. */
-static void frame(const bumps *all, bool shape, relief_map *map) {
-  float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-  for (const bump *b = all->of; b < all->of + all->count; b++) {
-    const float at[2] = {b->u, b->v};
-    for (int k = 0; k < 2; k++) {
-      low[k] = fminf(low[k], at[k]);
-      high[k] = fmaxf(high[k], at[k]);
-    }
-  }
-  const float size = fmaxf(high[0] - low[0], high[1] - low[1]),
-              rim = shape ? size / (SIDE / RELIEF_WIDER - 2) : 0.01f * size;
-  const bool repeats = !(size < 1.0f);
-  for (int k = 0; k < 2; k++)
-    map->first[k] = repeats ? 0.0f : low[k] - rim;
-  map->scale = repeats ? 1.0f : 1.0f / fmaxf(size + 2 * rim, 1e-6f);
-}
-
-static void fill(const bumps *all, const moments *m, const relief_map *map, cell *cells) {
-  for (const bump *b = all->of; b < all->of + all->count; b++) {
-    const float x = b->x - (float)m->x, y = b->y - (float)m->y;
-    const int i = relief_find_place(b->u, map->first[0], map->scale, map->side).nearest;
-    const int j = relief_find_place(b->v, map->first[1], map->scale, map->side).nearest;
-    cell *to = &cells[j * map->side + i];
-    *to = plus(*to, (cell){1.0f, x, y, x * x, x * y, y * y});
-  }
-}
-
-/* The variance of moments in windows, over the square of their mean. */
-static double varied(const cell *cells, const cell *windows, int side, double sum, double count) {
-  double squares = 0;
-  for (int k = 0; k < side * side; k++) {
-    const cell w = windows[k];
-    const double here = cells[k].count > 0 ? (double)((w.xx + w.yy) / w.count) / sum : 0;
-    squares += (double)cells[k].count * here * here / count;
-  }
-  return squares - 1;
-}
-
-/* Moments in windows count the more, not that of all, the more they vary: waves' are even enough,
- * and where half of a map is flat they count wholly. */
-static float nearness(double varies) {
-  const double even = 0.5, uneven = 0.8;
-  return (float)fmin(fmax((varies - even) / (uneven - even), 0), 1);
-}
-
-/* What lies on a mean. */
-static cell about(cell c, float x, float y) {
-  return (cell){c.count,
-                c.x - c.count * x,
-                c.y - c.count * y,
-                c.xx + x * (c.count * x - 2 * c.x),
-                c.xy + c.count * x * y - x * c.y - y * c.x,
-                c.yy + y * (c.count * y - 2 * c.y)};
-}
-
-/* The mean in wide windows, and what is left of cells about it; `spare` has room for them. */
-static void detrend(const cell *cells, int side, float (*mean)[2], cell *left, cell *spare) {
-  const int wide = side / RELIEF_WIDER;
-  const float none = 1e-3f, cell_size = 1 / (float)side;
-  memcpy(left, cells, (size_t)side * (size_t)side * sizeof *cells);
-  for (int k = side; k > wide; k /= 2)
-    halve(left, k);
-  blur(left, wide, spare);
-  for (int k = 0; k < wide * wide; k++) {
-    mean[k][0] = spare[k].x / (spare[k].count + none);
-    mean[k][1] = spare[k].y / (spare[k].count + none);
-  }
-  for (int k = 0; k < side * side; k++) {
-    const float u = ((float)(k % side) + 0.5f) * cell_size;
-    const float v = ((float)(k / side) + 0.5f) * cell_size;
-    const relief_place x = relief_find_place(u, 0, 1, wide), y = relief_find_place(v, 0, 1, wide);
-    left[k] = about(cells[k], relief_between(mean[0], 2, wide, x, y),
-                    relief_between(mean[0] + 1, 2, wide, x, y));
-  }
-}
-
-/* The moments about a shape; its mean becomes that of all slopes, not what it adds to theirs. */
-static void set_rest(const cell *left, relief_map *map, moments *m, size_t count) {
-  const int wide = map->side / RELIEF_WIDER;
-  double xx = 0, xy = 0, yy = 0;
-  for (int k = 0; k < map->side * map->side; k++) {
-    xx += (double)left[k].xx;
-    xy += (double)left[k].xy;
-    yy += (double)left[k].yy;
-  }
-  m->xx = fmax(xx / (double)count, 1e-10);
-  m->xy = xy / (double)count;
-  m->yy = fmax(yy / (double)count, 1e-10);
-  for (int k = 0; k < wide * wide; k++) {
-    map->mean[k][0] += (float)m->x;
-    map->mean[k][1] += (float)m->y;
-  }
-}
-
-/* Room for a map; its windows are to be found. NULL when out of memory. */
-static relief_map *new_map(const bumps *all, int side, bool shape) {
-  const size_t room = (size_t)side * (size_t)side;
-  const size_t wide = shape ? room / (RELIEF_WIDER * RELIEF_WIDER) : 0;
-  relief_map *map = malloc(sizeof *map + room * sizeof *map->moment + wide * sizeof *map->mean);
-  if (!map)
-    return NULL;
-  map->side = side;
-  map->mean = shape ? (float(*)[2])(map->moment + room) : NULL;
-  frame(all, shape, map);
-  return map;
-}
-
-/* The finest map, of so many cells along a side or fewer, whose windows hold four fifths of the
- * variance, and how much they vary; of a shape, what they do not hold has to be in its own windows.
- * *m becomes the moments about that. NULL when out of memory. */
-static relief_map *map_of(const bumps *all, moments *m, int side, bool shape, double *varies) {
-  const double most = 0.2 * (m->xx + m->yy) * (double)all->count;
-  const size_t room = (size_t)side * (size_t)side;
-  const float none = 1e-3f;
-  cell *cells = calloc((shape ? 3 : 2) * room, sizeof *cells), *left = cells;
-  relief_map *map = cells ? new_map(all, side, shape) : NULL;
-  if (map) {
-    cell *windows = cells + room;
-    fill(all, m, map, cells);
-    for (;; map->side /= 2) {
-      if (shape)
-        detrend(cells, map->side, map->mean, left = windows + room, windows);
-      blur(left, map->side, windows);
-      if (map->side == COARSEST || left_out(left, windows, map->side) <= most)
-        break;
-      halve(cells, map->side);
-    }
-    if (shape)
-      set_rest(left, map, m, all->count);
-    *varies = varied(left, windows, map->side, m->xx + m->yy, (double)all->count);
-    const float near = nearness(*varies), whole[3] = {(float)m->xx, (float)m->xy, (float)m->yy};
-    for (int k = 0; k < map->side * map->side; k++) {
-      const cell w = windows[k];
-      const float here[3] = {w.xx, w.xy, w.yy}, part = near / (w.count + none);
-      for (int i = 0; i < 3; i++) /* where nothing was seen that of all */
-        map->moment[k][i] = whole[i] + part * (here[i] - w.count * whole[i]);
-      for (int i = 0; i < 3; i += 2) /* about a shape they are differences, which round */
-        map->moment[k][i] = fmaxf(map->moment[k][i], 0.0f);
-    }
-  }
-  free(cells);
-  return map;
-}
-
-/* Gives the node of uneven bumps, or of a shape, its map, or says whether a first one, whose
- * windows are wide and so vary less, is worth a *finer. False when out of memory. */
-static bool set_map(node_relief *n, const bumps *all, moments *m, bool first, bool *finer) {
+/* Gives the node of uneven bumps, or of a shape, its relief, or says whether a first one, whose
+ * windows are wide and so vary less, is worth a *finer. */
+static void set_relief(node_relief *n, shade_relief *r, bool first, bool *finer) {
   const double hint = 0.2;
   const bool shape = n->outs > 3;
-  double varies = 0;
-  if (!(m->xx + m->yy > 1e-10))
-    return true;
-  if (first && shape)
-    return *finer = true;
-  relief_map *map = map_of(all, m, first ? FIRST_SIDE : SIDE, shape, &varies);
-  if (!map)
-    return false;
-  *finer = *finer || (first && varies > hint);
-  if (!first && (shape || nearness(varies) > 0))
-    n->map = map;
-  else
-    free(map);
-  return true;
+  double slopes[5];
+  const double varies = shade_relief_whole(r, slopes);
+  *finer = *finer || (first && (shape ? slopes[2] + slopes[4] > 0 : varies > hint));
+  if (!first && (shape ? slopes[2] + slopes[4] > 0 : varies > SHADE_RELIEF_EVEN))
+    n->map = r;
 }
 
-static void set_slopes(closure_metal *c, const moments *m) {
-  shade_params_set_slopes(&c->params, (const double[5]){m->x, m->y, m->xx, m->xy, m->yy});
+static void set_slopes(closure_metal *c, const shade_relief *r) {
+  double slopes[5];
+  shade_relief_whole(r, slopes);
+  shade_params_set_slopes(&c->params, slopes);
   shade_bsdf_setup(&c->bsdf, &c->params);
 }
 
@@ -401,7 +193,7 @@ static bool look(worker *w, material *m, double area, size_t count, bool *finer)
   bool good = points != NULL;
   for (size_t k = 0; k < m->closures; k++)
     if (wants_slopes(&m->closure[k]))
-      good = (found[k].of = malloc(count * sizeof *found[k].of)) && good;
+      good = bumps_room(&found[k], count) && good;
   *finer = false;
   if (good) {
     walk(w->scene, (int32_t)(m - w->scene->material), area, count, points);
@@ -411,13 +203,20 @@ static bool look(worker *w, material *m, double area, size_t count, bool *finer)
     if (found[k].count > 0) {
       closure_metal *c = &m->closure[k].of.metal;
       node_relief *n = node_of(m, c);
-      moments all = moments_of(&found[k]);
+      const bumps *f = &found[k];
+      shade_relief *r =
+          shade_relief_create(f->count, f->u, f->v, f->x, f->y, NULL, n && n->outs > 3);
+      good = r != NULL;
+      if (good)
+        set_slopes(c, r);
       /* of a node that several closures of a file read the first one's */
-      good = !n || n->map || set_map(n, &found[k], &all, count < FINE, finer);
-      set_slopes(c, &all);
+      if (good && n && !n->map)
+        set_relief(n, r, count < FINE, finer);
+      if (!n || n->map != r)
+        shade_relief_free(r);
     }
   for (size_t k = 0; k < m->closures; k++)
-    free(found[k].of);
+    free(found[k].u);
   free(points);
   return good;
 }
@@ -466,7 +265,7 @@ bool relief_find(scene *s, const atomic_bool *cancel) {
 void relief_free(material *m) {
   for (node *n = m->node; m->node && n < m->node + m->nodes; n++)
     if (n->type == NODE_RELIEF)
-      free(n->of.relief.map);
+      shade_relief_free(n->of.relief.map);
 }
 
 bool relief_told(const material *m, double slopes[5]) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * Fields of slopes over a texture: scratches, made from numbers, and normal maps.
+ * Fields of slopes over a texture: scratches, made from numbers, normal maps, and how steep they
+ * are.
  *
  * Looked up with a footprint, they give the mean normal and what is lost in the mean, the
  * covariance of the slopes. shade_params_widen adds that to a lobe. So scratches turn into
@@ -237,6 +238,74 @@ SHADE_API void shade_slope_map_free(shade_slope_map *m);
  */
 SHADE_API unsigned shade_slope_lookup(const shade_slope_map *m, double u, double v,
                                       const double footprint[4], shade_slopes *slopes);
+
+/* ---- how steep bumps are ---------------------------------------------------------- */
+
+/** How steep bumps are near each place of a map, for SHADE_HORIZON_MUTUAL. */
+typedef struct shade_relief shade_relief;
+
+/** What shade_relief_whole returns at most of bumps that are even. */
+#define SHADE_RELIEF_EVEN 0.5
+
+/**
+ * Find how steep bumps are, from points that lie as densely on all of a surface.
+ *
+ * A place has the second moment of slopes in a window about it. All windows are as wide: the
+ * narrowest of those 2, 4 to 64 points wide (of 2 n^2 points each way n) that hold four fifths of
+ * the variance. Bumps that are even have the moment of all points everywhere, by how much windows
+ * differ (docs/theory/horizons.md, Which slopes count). Few points tell less of that: where some
+ * thousand have more than 0.2, take a hundred thousand.
+ *
+ * With `shape` long waves are the surface's own, which nothing shades: windows eight times as wide
+ * have means of their own, and moments are about these.
+ *
+ * Places repeat with period 1. Where they lie in a square of less, that repeats in its place. A
+ * point counts nothing where a number of it is not finite, or its weight is not above 0.
+ *
+ * Threads: the call allocates.
+ *
+ * @param count   points; those of 250000 and more fill the finest windows
+ * @param u, v    their places, as of a picture
+ * @param x, y    their slopes along T and y of the local frame: -n.x/n.z, -n.y/n.z
+ * @param weight  NULL, or what each counts
+ * @param shape   1: means of wide windows; 0: one mean
+ * @return the relief, to be freed with shade_relief_free; NULL only when out of memory
+ */
+SHADE_API shade_relief *shade_relief_create(size_t count, const float *u, const float *v,
+                                            const float *x, const float *y, const float *weight,
+                                            int shape);
+
+/**
+ * Free a relief.
+ *
+ * Threads: no thread may use the relief any more.
+ *
+ * @param r  the relief, or NULL
+ */
+SHADE_API void shade_relief_free(shade_relief *r);
+
+/**
+ * The slopes of all points, and how much windows differ.
+ *
+ * @param r       the relief
+ * @param slopes  out: x, y, xx, xy, yy, as shade_params_set_slopes takes them; 0 without points. Of
+ *                a shape the moment is that about its means
+ * @return the variance of the moment xx + yy in windows over the square of its mean; up to
+ *         SHADE_RELIEF_EVEN, and without a shape, every place has the slopes of all
+ */
+SHADE_API double shade_relief_whole(const shade_relief *r, double slopes[5]);
+
+/**
+ * The slopes at places, from middle to middle of windows without a step.
+ *
+ * @param r       the relief
+ * @param count   places; 1 for a hit
+ * @param u, v    where; one that is not finite has the slopes of all
+ * @param slopes  out: arrays of x, y, xx, xy, yy, each of `count` numbers, or NULL where it is not
+ *                wanted
+ */
+SHADE_API void shade_relief_lookup_batchf(const shade_relief *r, size_t count, const float *u,
+                                          const float *v, float *const slopes[5]);
 
 /* ---- slopes into roughness ------------------------------------------------------- */
 
