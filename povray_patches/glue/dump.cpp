@@ -17,7 +17,7 @@ std::string Dump::wanted() {
 }
 
 Dump::Dump(const std::string &file, int width, int height, int lights, bool cloth, bool painted,
-           bool bumps, bool scratches)
+           bool bumps, bool scratches, bool reliefs)
     : path(file), data(shade_dump_create(width, height, lights)) {
   if (data == NULL)
     throw std::runtime_error("LIBSHADE_DUMP: out of memory");
@@ -27,7 +27,8 @@ Dump::Dump(const std::string &file, int width, int height, int lights, bool clot
       (bumps && (shade_dump_add(data, SHADE_DUMP_ALPHA) == NULL ||
                  shade_dump_add(data, SHADE_DUMP_GROOVE) == NULL)) ||
       (scratches && (shade_dump_add(data, SHADE_DUMP_LOBE2) == NULL ||
-                     shade_dump_add(data, SHADE_DUMP_LOBE3) == NULL))) {
+                     shade_dump_add(data, SHADE_DUMP_LOBE3) == NULL)) ||
+      (reliefs && shade_dump_add(data, SHADE_DUMP_SLOPES) == NULL)) {
     shade_dump_free(data);
     throw std::runtime_error("LIBSHADE_DUMP: out of memory");
   }
@@ -76,7 +77,7 @@ void Dump::put_vector(float *plane, int pixel, const double v[3], bool mirrored)
 bool Dump::hit(int pixel, const Material *material, const double P[3], const double uv[2],
                const double N[3], const double T[3], const double V[3], const double pigment[3],
                const ClothPlace *cloth, double gaps, const LobeSeen *lobes, int count,
-               bool mirrored) {
+               const double slopes[5], bool mirrored) {
   float *const id = &shade_dump_plane(data, SHADE_DUMP_MATERIAL)[pixel];
   const shade_params &params = material->params;
 
@@ -107,6 +108,8 @@ bool Dump::hit(int pixel, const Material *material, const double P[3], const dou
     put(shade_dump_plane(data, plane + SHADE_DUMP_LOBE_ALPHA), pixel, lobe.alpha, 2);
     put(shade_dump_plane(data, plane + SHADE_DUMP_LOBE_GROOVE), pixel, &lobe.angle, 1);
   }
+  if (shade_dump_has(data, SHADE_DUMP_SLOPES))
+    put(shade_dump_plane(data, SHADE_DUMP_SLOPES), pixel, slopes, 5);
   if (shade_dump_has(data, SHADE_DUMP_FOOT)) {
     static const double none[2] = {0.0, 0.0};
     const double coverage = 1.0 - gaps;

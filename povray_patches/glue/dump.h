@@ -21,9 +21,10 @@ public:
 
   // Throws std::runtime_error when memory is short or the folder cannot be written to.
   // cloth, painted, bumps, scratches: whether the scene has any, diffuse parts in a pigment's
-  // colours, bumps that turn into roughness from afar, and such as do so in parts.
+  // colours, bumps that turn into roughness from afar, such as do so in parts, and such as are
+  // uneven.
   Dump(const std::string &path, int width, int height, int lights, bool cloth, bool painted,
-       bool bumps, bool scratches);
+       bool bumps, bool scratches, bool reliefs);
   ~Dump();
 
   // A ray through the position (x, y) begins; whole numbers are the pixels'
@@ -34,11 +35,12 @@ public:
   // What the eye sees at `pixel`. False if the pixel already holds a
   // hit: the first (top) layer with an mdf { } block counts.
   // pigment: the layer's colour. cloth: where on it, else NULL; gaps: what it leaves of the ray.
-  // lobes: its normals and widths. mirrored: x is recorded the other way, of cloth, which has a
-  // hand: POV-Ray's space has the left.
+  // lobes: its normals and widths. slopes: of bumps near there. mirrored: x is recorded the other
+  // way, of cloth, which has a hand: POV-Ray's space has the left.
   bool hit(int pixel, const Material *material, const double P[3], const double uv[2],
            const double N[3], const double T[3], const double V[3], const double pigment[3],
-           const ClothPlace *cloth, double gaps, const LobeSeen *lobes, int count, bool mirrored);
+           const ClothPlace *cloth, double gaps, const LobeSeen *lobes, int count,
+           const double slopes[5], bool mirrored);
 
   // One light on that hit; mirrored: as the hit was.
   void light(int pixel, int number, const double L[3], const double E[3], const double S[3],

@@ -41,11 +41,11 @@ void View::StartMdfDump(unsigned int &tracing_method) {
                        (int)i);
 
   try {
-    viewData.mdfDump.reset(new mdf::Dump(path, (int)viewData.width, (int)viewData.height,
-                                         (int)(lights.size() + scene.lightGroupLightSources.size()),
-                                         scene.mdfScene->has_cloth(), scene.mdfScene->has_painted(),
-                                         scene.mdfScene->has_bumps(),
-                                         scene.mdfScene->has_scratches()));
+    viewData.mdfDump.reset(new mdf::Dump(
+        path, (int)viewData.width, (int)viewData.height,
+        (int)(lights.size() + scene.lightGroupLightSources.size()), scene.mdfScene->has_cloth(),
+        scene.mdfScene->has_painted(), scene.mdfScene->has_bumps(), scene.mdfScene->has_scratches(),
+        scene.mdfScene->has_reliefs()));
   } catch (const std::runtime_error &e) {
     throw POV_EXCEPTION_STRING(e.what());
   }

@@ -287,20 +287,25 @@ void round_slopes(const double found[5], double slopes[5]) {
 
 } // namespace
 
-const Material *Scene::on_bumps(const Material *material, const double found[5]) {
+const Material *Scene::on_bumps(const Material *material,
+                                const std::shared_ptr<const shade_relief> &bumps) {
   std::vector<const Material *> &made = bumped[material->id];
   Material copy(*material);
-  double slopes[5];
+  double found[5], slopes[5];
 
+  if (shade_relief_whole(bumps.get(), found) > SHADE_RELIEF_EVEN && copy.may_be_uneven())
+    copy.relief = bumps;
   round_slopes(found, slopes);
   shade_params_set_slopes(&copy.params, slopes);
-  for (size_t i = 0; i < made.size(); i++)
-    if (std::equal(copy.params.slopes, copy.params.slopes + 5, made[i]->params.slopes))
+  for (size_t i = 0; i < made.size() && !copy.relief; i++)
+    if (!made[i]->relief &&
+        std::equal(copy.params.slopes, copy.params.slopes + 5, made[i]->params.slopes))
       return made[i];
   const Material *own = material;
   if (made.empty()) {
     Material &m = *materials[(size_t)material->id];
     m.params = copy.params;
+    m.relief = copy.relief;
     prepare(m);
   } else {
     own = add(copy);
@@ -350,6 +355,13 @@ bool Scene::has_scratches() const {
   return false;
 }
 
+bool Scene::has_reliefs() const {
+  for (size_t i = 0; i < materials.size(); i++)
+    if (materials[i]->relief)
+      return true;
+  return false;
+}
+
 bool Scene::has_bumps() const {
   for (size_t i = 0; i < materials.size(); i++)
     if (materials[i]->spreads_bumps())
@@ -384,41 +396,40 @@ std::string Scene::json(const std::string &renderer) const {
   return text;
 }
 
-void Moments::add(const double normal[3], double share) {
+void Bumps::add(const double uv[2], const double normal[3], double share) {
   const double STEEPEST = 50.0;
   if (!(normal[2] * STEEPEST > 1.0))
     return;
-  const double sx = -normal[0] / normal[2], sy = -normal[1] / normal[2];
-  if (!std::isfinite(sx * sx + sy * sy))
-    return;
-
-  weight += share;
-  x += share * sx;
-  y += share * sy;
-  xx += share * sx * sx;
-  xy += share * sx * sy;
-  yy += share * sy * sy;
+  u.push_back((float)uv[0]);
+  v.push_back((float)uv[1]);
+  x.push_back((float)(-normal[0] / normal[2]));
+  y.push_back((float)(-normal[1] / normal[2]));
+  weight.push_back((float)share);
 }
 
-void Moments::add(const Moments &other, double scale) {
-  weight += scale * other.weight;
-  x += scale * other.x;
-  y += scale * other.y;
-  xx += scale * other.xx;
-  xy += scale * other.xy;
-  yy += scale * other.yy;
+void Bumps::add(const Bumps &other, double scale) {
+  u.insert(u.end(), other.u.begin(), other.u.end());
+  v.insert(v.end(), other.v.begin(), other.v.end());
+  x.insert(x.end(), other.x.begin(), other.x.end());
+  y.insert(y.end(), other.y.begin(), other.y.end());
+  for (size_t i = 0; i < other.weight.size(); i++)
+    weight.push_back((float)(scale * other.weight[i]));
 }
 
-bool Moments::slopes(double found[5]) const {
-  const double LEAST = 1e-10; // what rounding alone may leave
-  if (!(weight > 0.0))
-    return false;
-  found[0] = x / weight;
-  found[1] = y / weight;
-  found[2] = std::max(xx / weight - found[0] * found[0], 0.0);
-  found[3] = xy / weight - found[0] * found[1];
-  found[4] = std::max(yy / weight - found[1] * found[1], 0.0);
-  return found[2] + found[4] > LEAST;
+bool Bumps::any() const {
+  for (size_t i = 0; i < weight.size(); i++)
+    if (weight[i] > 0.0f)
+      return true;
+  return false;
+}
+
+std::shared_ptr<const shade_relief> Bumps::relief() const {
+  shade_relief *const made =
+      shade_relief_create(u.size(), u.data(), v.data(), x.data(), y.data(), weight.data(), 0);
+  if (made == NULL)
+    throw std::bad_alloc();
+  return std::shared_ptr<const shade_relief>(
+      made, [](const shade_relief *r) { shade_relief_free(const_cast<shade_relief *>(r)); });
 }
 
 void ShadedPoint::set(const Material *m, const double N[3], const double T[3], const double Ns[3],
@@ -438,6 +449,7 @@ void ShadedPoint::set(const Material *m, const double N[3], const double T[3], c
   to_local(V, eye);
   to_local(Ns, normal);
   prepared = 0;
+  near.reset();
 }
 
 void ShadedPoint::set_pigment(const double rgb[3]) {
@@ -556,17 +568,55 @@ int ShadedPoint::lobes(LobeSeen seen[MOST_LOBES]) const {
   return count;
 }
 
-void ShadedPoint::look(double share, Moments &to) const {
+void ShadedPoint::look(const double uv[2], double share, Bumps &to) const {
   static const double flat[3] = {0.0, 0.0, 1.0};
 
   if (!rough)
-    to.add(lambert ? flat : normal, share);
+    to.add(uv, lambert ? flat : normal, share);
   for (int i = 0; rough && i < rough->count; i++)
-    to.add(rough->lobe[i].flat, share * rough->lobe[i].share);
+    to.add(uv, rough->lobe[i].flat, share * rough->lobe[i].share);
+}
+
+void ShadedPoint::set_slopes(const double uv[2]) {
+  const float u = (float)uv[0], v = (float)uv[1];
+  float found[5];
+  float *const to[5] = {found, found + 1, found + 2, found + 3, found + 4};
+
+  near.reset(new Near);
+  near->made = 0;
+  shade_relief_lookup_batchf(material->relief.get(), 1, &u, &v, to);
+  std::copy(found, found + 5, near->slopes);
+}
+
+void ShadedPoint::slopes(double found[5]) const {
+  if (near)
+    std::copy(near->slopes, near->slopes + 5, found);
+  else
+    shade_params_get_slopes(&material->params, found);
+}
+
+const shade_bsdf *ShadedPoint::near_bsdf(Lobe of, const shade_bsdf *b) const {
+  shade_bsdf *const made = &near->lobe[of];
+
+  if (!(near->made >> of & 1)) {
+    const double *const s = near->slopes;
+    shade_lanes in = shade_lanes();
+    in.size = sizeof in;
+    in.slope_x = s;
+    in.slope_y = s + 1;
+    in.slope_xx = s + 2;
+    in.slope_xy = s + 3;
+    in.slope_yy = s + 4;
+    shade_bsdf_vary(b, &in, 0, made);
+    near->made |= 1u << of;
+  }
+  return made;
 }
 
 // f cos of one of the material's lobes.
-void ShadedPoint::eval_lobe(Lobe of, const shade_bsdf *b, const double wi[3], double f[3]) const {
+void ShadedPoint::eval_lobe(Lobe of, const shade_bsdf *given, const double wi[3],
+                            double f[3]) const {
+  const shade_bsdf *const b = here(of, given);
   shade_bsdf_hit *const at = &prepared_hit[of];
   double cosine;
 
@@ -621,6 +671,8 @@ void ShadedPoint::eval_painted(int of_level, const double wi[3], double f[3]) co
   if (!painted || painted->level != of_level) {
     shade_params p = mdf::regularized(material->params, of_level);
     std::copy(pigment, pigment + 3, p.f0);
+    if (near)
+      shade_params_set_slopes(&p, near->slopes);
     painted.reset(new Painted);
     painted->level = of_level;
     shade_bsdf_setup(&painted->bsdf, &p);
@@ -762,8 +814,9 @@ bool ShadedPoint::sample(int level, const double u[3], double L[3], double throu
     if (!sample_rough(u, wi, f, &pdf))
       return false;
   } else
-    shade_bsdf_sample(level < 0 ? &m.specular : &m.regularized[level], normal, eye, u, wi, f, &pdf,
-                      &cosine);
+    shade_bsdf_sample(level < 0 ? here(OF_SPECULAR, &m.specular)
+                                : here(OF_REGULARIZED, &m.regularized[level]),
+                      normal, eye, u, wi, f, &pdf, &cosine);
   if (!(pdf > 0.0) || !(wi[2] > 0.0 || m.cloth))
     return false;
   to_world(wi, L);

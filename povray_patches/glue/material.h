@@ -18,6 +18,7 @@
 #include "backend/mdf/cloth.h"
 #include "backend/mdf/scratches.h"
 #include "shade/albedo.h"
+#include "shade/maps.h"
 #include "shade/shade.h"
 
 namespace mdf {
@@ -50,17 +51,16 @@ struct Lattice {
   static Lattice of(unsigned int count);
 };
 
-// Slopes of the normals of a surface, -n.x/n.z along the frame's x axis and -n.y/n.z along y, added
-// up.
-struct Moments {
-  Moments() : weight(0.0), x(0.0), y(0.0), xx(0.0), xy(0.0), yy(0.0) {}
-  double weight, x, y, xx, xy, yy;
+// Bumps that were looked at: places of a bump image, slopes of normals, -n.x/n.z along the frame's
+// x axis and -n.y/n.z along y, and what each counts.
+struct Bumps {
+  std::vector<float> u, v, x, y, weight;
 
-  void add(const double normal[3], double share);
-  void add(const Moments &other, double scale);
-  // Their mean, and their second moment about it, as shade_params_set_slopes takes them. False if
-  // there are none, or none but 0.
-  bool slopes(double found[5]) const;
+  void add(const double uv[2], const double normal[3], double share);
+  void add(const Bumps &other, double scale);
+  bool any() const; // that counts
+  // Throws std::bad_alloc.
+  std::shared_ptr<const shade_relief> relief() const;
 };
 
 struct Material {
@@ -101,6 +101,8 @@ struct Material {
   bool wants_slopes() const {
     return !cloth && !told_slopes && params.horizon == SHADE_HORIZON_MUTUAL;
   }
+  // Whether these may differ from place to place of its image.
+  bool may_be_uneven() const { return bump && !scratches; }
   // Whether what is smaller than a pixel is roughness. Of bumps that shade each other it would
   // shade itself once more: points are looked at.
   bool spreads_bumps() const {
@@ -130,6 +132,8 @@ struct Material {
   // The bump image from afar, likewise.
   std::shared_ptr<const shade_slope_map> slopes;
   std::shared_ptr<const ScratchField> field; // of scratches
+  // How steep the bumps are near each place of the image, where they are uneven; else NULL.
+  std::shared_ptr<const shade_relief> relief;
   // The specular part in black, where its colour is the pigment's: `specular` is then in white,
   // and what either reflects is mixed. Every Fresnel term of a colour is linear in it, and so is
   // all that is reflected once. What is reflected more than once is not: each point has its own
@@ -191,15 +195,17 @@ public:
   bool has_painted() const;
   bool has_bumps() const; // from an image, or scratches
   bool has_scratches() const;
+  bool has_reliefs() const;
   // Whether any block looks different by how wide a ray is.
   bool uses_footprints() const { return by_width; }
   // Whether any block has `reflection { }`.
   bool reflects() const { return reflecting; }
   // Makes what only a block needs that is seen. Throws std::bad_alloc.
   void use(const Material *material);
-  // The same block on bumps of these slopes: itself for the first, others for more. What looks the
+  // The same block on bumps like these: itself for the first, others for more. What looks the
   // same is one. Before the first hit.
-  const Material *on_bumps(const Material *material, const double slopes[5]);
+  const Material *on_bumps(const Material *material,
+                           const std::shared_ptr<const shade_relief> &bumps);
 
   // {"version": …, "renderer": …, "materials": […]}, for a dump's header.
   std::string json(const std::string &renderer) const;
@@ -265,8 +271,12 @@ public:
   // lobes.
   void roughen(double share, const double mean[3], const double covariance[3], int most, int level);
   bool is_rough() const { return rough != NULL; }
-  // Adds the slopes of its normals.
-  void look(double share, Moments &to) const;
+  // Adds the slopes of its normals, at this place of the bump image.
+  void look(const double uv[2], double share, Bumps &to) const;
+  // Takes the slopes near a place of the bump image, which the material has a relief of.
+  void set_slopes(const double uv[2]);
+  // Those of a dump.
+  void slopes(double found[5]) const;
   enum { MOST_LOBES = 3 };
   // What was told, the last first. Returns how many there are.
   int lobes(LobeSeen seen[MOST_LOBES]) const;
@@ -306,11 +316,12 @@ public:
     if (lambert)
       return eval_lambert(L, E, S);
     to_local(L, wi);
+    const shade_bsdf *const b = here(OF_ALL, &material->bsdf);
     if (!(prepared >> OF_ALL & 1)) {
-      shade_bsdf_prepare(&material->bsdf, normal, eye, &prepared_hit[OF_ALL]);
+      shade_bsdf_prepare(b, normal, eye, &prepared_hit[OF_ALL]);
       prepared |= 1u << OF_ALL;
     }
-    shade_bsdf_hit_eval(&material->bsdf, &prepared_hit[OF_ALL], wi, f, &cosine);
+    shade_bsdf_hit_eval(b, &prepared_hit[OF_ALL], wi, f, &cosine);
     for (int c = 0; c < 3; c++)
       S[c] = f[c] * cosine * E[c];
   }
@@ -343,6 +354,17 @@ private:
     OF_REGULARIZED_BLACK,
     LOBES
   };
+
+  // The lobes where bumps are uneven: with the slopes near the point, each made when it is asked
+  // of.
+  struct Near {
+    double slopes[5];
+    unsigned int made; // bit 1 << lobe
+    shade_bsdf lobe[LOBES];
+  };
+  std::unique_ptr<Near> near;
+  const shade_bsdf *here(Lobe of, const shade_bsdf *b) const { return near ? near_bsdf(of, b) : b; }
+  const shade_bsdf *near_bsdf(Lobe of, const shade_bsdf *b) const;
 
   // The material where slopes widen it, in a frame along its own axes.
   struct Wider {
@@ -397,7 +419,7 @@ private:
   mutable shade_bsdf_hit prepared_hit[LOBES];
   mutable unsigned int prepared; // bit 1 << lobe
 
-  void eval_lobe(Lobe lobe, const shade_bsdf *b, const double wi[3], double f[3]) const;
+  void eval_lobe(Lobe lobe, const shade_bsdf *given, const double wi[3], double f[3]) const;
   void eval_rough(Lobe lobe, const double wi[3], double f[3]) const;
   void specular(bool in_black, int level, const double wi[3], double f[3]) const;
   bool sample_rough(const double u[3], double wi[3], double f[3], double *pdf) const;

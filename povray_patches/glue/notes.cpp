@@ -156,6 +156,8 @@ std::string Mdf_Slopes_Note(const mdf::Material &m) {
   text.precision(2);
   text << " (deviations " << std::sqrt(v[2]) << " along the strokes, " << std::sqrt(v[4])
        << " across)\n";
+  if (m.relief)
+    text << "  its bump image is uneven: each hit has the slopes near it\n";
   return text.str();
 }
 

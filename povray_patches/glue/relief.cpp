@@ -91,7 +91,7 @@ public:
   // What was seen since the last time counts so much.
   void Weigh(double scale) {
     for (Slopes::const_iterator i = now.begin(); i != now.end(); ++i)
-      all[i->first].moments.add(i->second.moments, scale);
+      all[i->first].add(i->second.bumps, scale);
     now.clear();
   }
   // The most points of a finish since then.
@@ -101,7 +101,7 @@ public:
       most = max(most, i->second.points);
     return most;
   }
-  const mdf::Moments &Of(const FINISH *finish) { return all[finish].moments; }
+  const mdf::Bumps &Of(const FINISH *finish) { return all[finish]; }
 
 protected:
   virtual void ComputeLightedTexture(Colour &, const TEXTURE *texture,
@@ -118,7 +118,7 @@ protected:
       const double share = ticket.mdfTo - ticket.mdfFrom;
       Seen &seen = now[texture->Finish];
       const bool facing = camera.sees(Vector3d(isect.IPoint), rawnormal);
-      hit.Look(facing ? weight * share : BEHIND * weight * share, seen.moments);
+      hit.Look(facing ? weight * share : BEHIND * weight * share, seen.bumps);
       seen.points += facing ? share : 0.0;
     }
   }
@@ -126,13 +126,14 @@ protected:
 private:
   struct Seen {
     Seen() : points(0.0) {}
-    mdf::Moments moments;
+    mdf::Bumps bumps;
     double points;
   };
   typedef std::map<const FINISH *, Seen> Slopes;
   static constexpr double BEHIND = 1e-6;
   const Eye camera;
-  Slopes now, all;
+  Slopes now;
+  std::map<const FINISH *, mdf::Bumps> all;
   double weight;
 };
 
@@ -191,13 +192,48 @@ bool is_before(const FINISH *a, const FINISH *b) {
   return a->Mdf->id < b->Mdf->id;
 }
 
+// Looks at so many points of an object; now and then something else may be done.
+template <class Pause>
+void look_at(const ObjectPtr &object, const Vector3d &eye, double points, SlopeTrace &trace,
+             const Pause &pause) {
+  const Aim aim(object, eye);
+  std::vector<double> depths;
+  double far_off = 0.0; // what stands around the camera: some way on from the middle of it
+
+  for (unsigned int n = 0; aim.around() && n < 256; n++) {
+    Ray ray(Ray::OtherRay);
+    Intersection isect;
+    aim.ray(n, ray);
+    if (trace.FindIntersection(object, isect, ray))
+      depths.push_back(isect.Depth);
+  }
+  if (!depths.empty()) {
+    std::nth_element(depths.begin(), depths.begin() + (long)depths.size() / 2, depths.end());
+    far_off = 8.0 * depths[depths.size() / 2];
+  }
+  unsigned int rays = 0;
+  while (rays < 16.0 * points && trace.Points() < points) {
+    Ray ray(Ray::OtherRay);
+    Intersection isect;
+    aim.ray(rays++, ray);
+    if (trace.FindIntersection(object, isect, ray))
+      trace.Look(isect, ray, far_off > 0.0 ? min(isect.Depth / far_off, 1.0) : 1.0);
+    if (rays % 256 == 0)
+      pause();
+  }
+  trace.Weigh(aim.scale() / rays);
+}
+
 } // namespace
 
 // Once the scene is read: what each block with `horizon mutual` that says no slopes has on its
-// objects. Those that share a texture share its slopes.
+// objects. Those that share a texture share its slopes. Where an image's bumps may be uneven, by
+// what some points say, more are looked at.
 void Parser::Find_Mdf_Slopes() {
-  const double MOST = 4096.0, ALL = 1 << 20;
+  const double MOST = 4096.0, FINEST = 65536.0, ALL = 1 << 20, MAY_BE_UNEVEN = 0.2;
+  const double LEAST = 1e-10; // what rounding alone may leave
   typedef std::vector<ObjectPtr> Objects;
+  typedef std::map<const FINISH *, std::shared_ptr<const shade_relief>> Reliefs;
   mdf::Scene &scene = *sceneData->mdfScene;
   Objects bumpy;
   std::vector<const FINISH *> wanted; // as they stand in the scene
@@ -229,46 +265,48 @@ void Parser::Find_Mdf_Slopes() {
   Trace::RadiosityFunctor radiosity;
   const Eye eye(sceneData->parsedCamera);
   SlopeTrace trace(sceneData, &own, cooperate, media, radiosity, eye);
-  const double points = std::max(std::min(ALL / (double)bumpy.size(), MOST), 128.0);
-  for (Objects::const_iterator i = bumpy.begin(); i != bumpy.end(); ++i) {
-    const Aim aim(*i, eye.place);
-    std::vector<double> depths;
-    double far_off = 0.0; // what stands around the camera: some way on from the middle of it
-    for (unsigned int n = 0; aim.around() && n < 256; n++) {
-      Ray ray(Ray::OtherRay);
-      Intersection isect;
-      aim.ray(n, ray);
-      if (trace.FindIntersection(*i, isect, ray))
-        depths.push_back(isect.Depth);
-    }
-    if (!depths.empty()) {
-      std::nth_element(depths.begin(), depths.begin() + (long)depths.size() / 2, depths.end());
-      far_off = 8.0 * depths[depths.size() / 2];
-    }
-    unsigned int rays = 0;
-    while (rays < 16.0 * points && trace.Points() < points) {
-      Ray ray(Ray::OtherRay);
-      Intersection isect;
-      aim.ray(rays++, ray);
-      if (trace.FindIntersection(*i, isect, ray))
-        trace.Look(isect, ray, far_off > 0.0 ? min(isect.Depth / far_off, 1.0) : 1.0);
-      if (rays % 256 == 0)
-        Cooperate();
-    }
-    trace.Weigh(aim.scale() / rays);
+  SlopeTrace finer(sceneData, &own, cooperate, media, radiosity, eye);
+  const auto pause = [this]() { Cooperate(); };
+  const double few = max(min(ALL / (double)bumpy.size(), MOST), 128.0);
+  for (Objects::const_iterator i = bumpy.begin(); i != bumpy.end(); ++i)
+    look_at(*i, eye.place, few, trace, pause);
+
+  double slopes[5];
+  MdfBlocks uneven;
+  Reliefs found;
+  for (size_t i = 0; i < wanted.size(); i++) {
+    found[wanted[i]] = trace.Of(wanted[i]).relief();
+    if (wanted[i]->Mdf->may_be_uneven() &&
+        shade_relief_whole(found[wanted[i]].get(), slopes) > MAY_BE_UNEVEN)
+      uneven.insert(wanted[i]);
   }
+  Objects again;
+  for (Objects::const_iterator i = bumpy.begin(); !uneven.empty() && i != bumpy.end(); ++i) {
+    MdfBlocks blocks;
+    bool any = false;
+    Collect_Mdf_Blocks(*i, true, blocks);
+    for (MdfBlocks::const_iterator f = blocks.begin(); f != blocks.end(); ++f)
+      any = any || uneven.count(*f) > 0;
+    if (any)
+      again.push_back(*i);
+  }
+  const double many = min(ALL / (double)max(again.size(), (size_t)1), FINEST);
+  for (Objects::const_iterator i = again.begin(); many > few && i != again.end(); ++i)
+    look_at(*i, eye.place, many, finer, pause);
+  for (MdfBlocks::const_iterator f = uneven.begin(); many > few && f != uneven.end(); ++f)
+    found[*f] = finer.Of(*f).relief();
 
   for (size_t i = 0; i < wanted.size(); i++) {
     FINISH *const finish = const_cast<FINISH *>(wanted[i]); // of a texture, which is the scene's
     const std::string name = finish->Mdf->name;
-    double slopes[5];
-    if (!(trace.Of(finish).weight > 0.0)) // nothing of it is to be seen
+    if (!trace.Of(finish).any()) // nothing of it is to be seen
       continue;
-    if (!trace.Of(finish).slopes(slopes)) {
+    shade_relief_whole(found[finish].get(), slopes);
+    if (!(slopes[2] + slopes[4] > LEAST)) {
       Warn_Mdf("'horizon mutual' (" + name + ") is 'horizon hard' here: its texture has no bumps.");
       continue;
     }
-    finish->Mdf = scene.on_bumps(finish->Mdf, slopes);
+    finish->Mdf = scene.on_bumps(finish->Mdf, found[finish]);
     const std::string note = "mdf block at " + name + "\n" + Mdf_Slopes_Note(*finish->Mdf);
     if (finish->Mdf->notes && scene.first_warning(note))
       Debug_Info("%s", note.c_str());

@@ -209,8 +209,10 @@ bool record_hit(mdf::Dump &dump, int pixel, const mdf::ShadedPoint &shaded,
     return false;
   if (turned && material.has_diffuse && material.params.diffuse != SHADE_DIFFUSE_LAMBERT)
     return false;
+  double slopes[5];
+  shaded.slopes(slopes);
   return dump.hit(pixel, &material, frame.isect.IPoint, frame.uv, *frame.N, *frame.T, *frame.V, rgb,
-                  place, gaps, lobes, count, shaded.left_handed());
+                  place, gaps, lobes, count, slopes, shaded.left_handed());
 }
 
 } // namespace
@@ -235,6 +237,7 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   pixel = -1;
   global_lights = 0;
   opacity = opaque;
+  place[U] = place[V] = 0.0;
   both_sides = simple = false;
   level = mdf::Material::level_of(roughness);
   if (cloth && !material.prepared_cloth) // no object that shows it was announced
@@ -261,6 +264,10 @@ void MdfHit::Prepare(const FINISH *finish, const Intersection &isect, const Ray 
   frame.find_tangent();
   const bool mirrored = frame.mirrored();
   shaded.set(&material, *frame.N, *frame.T, *frame.Ns, *frame.V, mirrored);
+  if (frame.bumped)
+    Assign_UV_Vect(place, frame.uv);
+  if (material.relief && frame.bumped)
+    shaded.set_slopes(place);
   if (material.has_pigment())
     shaded.set_pigment(rgb);
   mdf::ClothPlace place;

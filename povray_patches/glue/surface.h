@@ -57,7 +57,7 @@ public:
 
   bool HasBlock() const { return shaded.has_material(); }
   // Adds the slopes of its bumps.
-  void Look(double share, mdf::Moments &to) const { shaded.look(share, to); }
+  void Look(double share, mdf::Bumps &to) const { shaded.look(place, share, to); }
 
   // Can light from this direction give anything?
   bool Faces(const VECTOR direction) const { return HasBlock() && Meets(direction); }
@@ -105,6 +105,7 @@ public:
 private:
   static RGBColour Between(const RGBColour &transparency, double gaps);
   mdf::ShadedPoint shaded;
+  UV_VECT place; // of the bump image; 0 where there is none
   double gaps;
   // where there is a block
   mdf::Dump *dump;

@@ -90,6 +90,46 @@ def test_slopes_of_a_picture_are_those_of_its_texels(render, tmp_path):
     assert found[3] == pytest.approx(-xy, abs=.05 * (xx + yy))
 
 
+def test_an_uneven_picture_has_the_slopes_near_each_hit(render, shade_check, tmp_path):
+    """Ripples on its right half, askew, and nothing on its left: by a dump, as a light's share, in a furnace."""
+    from test_bump_image import mapped, write_png
+    u, v = np.meshgrid((np.arange(128) + .5) / 128, 1 - (np.arange(128) + .5) / 128)
+    wave = np.where(u < .5, 0, np.cos(2 * np.pi * (16 * u + 8 * v)))
+    n = normalise(np.stack([-.8 * wave, -.4 * wave, np.ones_like(wave)], -1))
+    colours = np.round((n + 1) / 2 * 65535)
+    write_png(tmp_path / "map.png", colours, "uint16")
+    square = ("mesh {{ triangle {{ <0, 0, 0>, <2, 0, 0>, <2, 0, 2> uv_vectors <0, 0>, <1, 0>, <1, 1> }} triangle {{ <0, 0, 0>, <2, 0, 2>, <0, 0, 2> "
+              "uv_vectors <0, 0>, <1, 1>, <0, 1> }} texture {{ uv_mapping pigment {{ rgb <.9, .6, .4> }} {} }} translate {} }}\n")
+    image = 'bump_image { png "map.png" }'
+    blocks = (image + " notes on", image + " specular pigment", image + " ggx .7, .7 multiscatter on specular pigment", image + " diffuse lambert rgb .3 detail auto")
+    places = ("<-3, 0, -2.5>", "<1, 0, -2.5>", "<-3, 0, .5>", "<1, 0, .5>")
+    text = "".join(square.format(block(words), place) for words, place in zip(blocks, places))
+    result = render(scene(text, header=ABOVE), (160, 120))
+    assert result.message.count("its bump image is uneven: each hit has the slopes near it") == 1
+    dump = result.dump
+    shade_check(dump, 1e-5, everything=False)
+    assert len(np.unique(dump.id[dump.hit])) == len(blocks)
+    s = np.stack([dump.channels[f"slopes.{name}"] for name in ("X", "Y", "XX", "XY", "YY")], -1)
+    n = mapped(colours / 65535, np.stack(np.meshgrid((np.arange(512) + .5) / 512, (np.arange(512) + .5) / 512), -1)[:, 256:]).reshape(-1, 3)
+    (xx, xy), (_, yy) = np.cov(-n[:, 0] / n[:, 2], -n[:, 1] / n[:, 2], bias=True)
+    for number in range(len(blocks)):
+        flat, rippled = (dump.hit & (dump.id == number) & side for side in (abs(dump.uv[..., 0] - .25) < .12, abs(dump.uv[..., 0] - .75) < .12))
+        assert flat.sum() > 150 and np.abs(s[flat]).max() < .03 * (xx + yy)
+        off = s[rippled][:, 2:] - [xx, -xy, yy]  # the left hand
+        assert np.abs(off).max() < .3 * (xx + yy) and np.abs(off.mean(0)).max() < .02 * (xx + yy)
+        assert np.abs(s[rippled][:, :2]).max() < .02
+        assert dump.header["materials"][number]["slopes"][2] == pytest.approx(xx / 2, rel=.06)  # that of all of it
+
+    white = block("specular rgb 1 fresnel schlick reflection { samples 16 } " + image)
+    sky = "sky_sphere { pigment { rgb 1 } }\n"
+    furnace = render(scene(sky + square.format(white, "<-1, 0, -1>"), header=ABOVE[:ABOVE.index("light_source")].replace("8*x up 6*z", "2*x up 2*z"), lights=""), (32, 32), dump=False).image[..., 0]
+    i = (np.arange(4000) + .5) / 4000 * np.pi / 2  # a flat plate, seen from straight above: f cos = D G1 / 4, of GGX
+    h, k = np.cos(i / 2), .04
+    D, G = k / (np.pi * (1 + (k - 1) * h * h)**2), 2 / (1 + np.sqrt(1 + k * np.tan(i)**2))
+    albedo = (D * G / 4 * np.sin(i)).sum() * np.pi / 8000 * 2 * np.pi
+    assert furnace[:, 4:12].mean() == pytest.approx(albedo, abs=.01) and furnace[:, 20:].mean() == pytest.approx(1, abs=.05)
+
+
 def test_words_notes_and_warnings(render):
     """What a block says holds, and is clamped with a warning; what is found is told; without bumps there is no such horizon."""
     ball = "sphere {{ {}*x, 1 texture {{ pigment {{ rgb .5 }} {} {} }} }}\n"
