@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The stability atlas: the printed formulas have the figures of docs/theory/papers.md, which C tests found; measures have
 those of known lobes; no finding outlives rows that say otherwise; maps name what fails; --at prints it."""
+import base64
+import io
+import re
 import xml.etree.ElementTree
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import atlas_at
 import atlas_charts
@@ -327,10 +331,71 @@ def test_commands_print_the_sample(rows, capsys):
         if region.failure == "rounding":
             off = number(lines, "of float n and h") / number(lines, "D′ of the displaced") - 1
             assert abs(off) == pytest.approx(region.value, rel=0.02)
-    for short, whole in ((["form=fibre_printed"], ["theta=45", "azimuth=150"]), (["form=rotate", "theta=10"], ["tilt=30", "azimuth=45"])):
+        if region.failure in ("displaced", "peak"):
+            away = float(re.search(r", ([\d.e+-]+)° from n$", dict(lines)["D′ is largest at"])[1])
+            assert away == pytest.approx(region.value, abs=1 if region.failure == "displaced" else 9), region
+        if region.failure in ("weights", "narrow weights"):
+            assert number(lines, "its deviation over the mean") == pytest.approx(region.value, rel=0.3), region
+            assert number(lines, "mean of f cos/pdf, 65536 draws") == pytest.approx(number(lines, "albedo, by quadrature"), rel=0.03, abs=1e-3)
+            assert number(lines, "mean of f cos/pdf") < number(lines, "largest weight") * (1 - number(lines, "draws that find no")) + 1e-5, region
+        if region.failure in ("narrow furnace", "light furnace"):
+            said = number(lines, "share of a beam given back" if region.failure == "light furnace" else "albedo, by quadrature")
+            assert said == pytest.approx(region.value, rel=0.2), region
+        if region.failure in ("light jump", "eye jump"):
+            nearer, farther = map(float, dict(lines)[f"f cos with the {region.map} 10⁻⁷ rad nearer to z, and farther"].split(", "))
+            assert abs(nearer - farther) > 1e-4 * max(nearer, farther), region
+        if region.failure == "fibre":
+            assert abs(number(lines, "Φ as printed") - number(lines, "mean over")) == pytest.approx(region.value, rel=1e-5)
+            assert [number(lines, f"Φ of the {who}") for who in ("library", "reference")] == pytest.approx([number(lines, "mean over")] * 2, rel=1e-6)
+        told_as_it_is(region, lines)
+    for short, whole in ((["form=fibre_printed"], ["theta=45", "azimuth=150"]), (["form=rotate", "theta=10"], ["tilt=30", "azimuth=45"]),
+                         (["form=rotate", "theta=-10", "azimuth=20"], ["phi=20"]), (["form=perturb", "eye=20", "light=30"], ["horizon=hard", "eye_azimuth=0", "light_azimuth=0"]),
+                         (["form=rotate", "light=20"], ["horizon=hard", "light_azimuth=0", "tilt=30", "azimuth=45"]), (["form=chiang", "light=85"], ["horizon=chiang"])):
         assert atlas_at.at(atlas_at.parse(short)) == atlas_at.at(atlas_at.parse([*short, *whole])), short
-    assert study_atlas.main(["--at", "form=rotate", "tilt=30", "azimuth=20", "theta=10"]) == 0
-    assert "D′ of the reference" in capsys.readouterr().out
+    words = ["form=rotate", "tilt=30", "azimuth=20", "theta=10"]
+    assert study_atlas.main(["--at", *words]) == 0
+    said, lines = capsys.readouterr().out.splitlines(), atlas_at.at(atlas_at.parse(words))
+    assert len(said) == len(lines) and len({line.index(value, len(what)) for line, (what, value) in zip(said, lines)}) == 1  # one column
+    assert all(line.split("  ")[0] == what and line.endswith("  " + value) for line, (what, value) in zip(said, lines))
+
+
+def told_as_it_is(region, lines):
+    """What stands above and around of a sample: of which form and widths, n, light and eye; and what is the same by definition."""
+    given, told = dict(word.split("=") for word in region.place().split()), dict(lines)
+    vectors = {name: [float(x) for x in told[name].strip("()").split(", ")] for name in ("n", "h", "wi", "wo", "light") if name in told}
+
+    def aims(name, theta, phi):
+        """In degrees from z and about it."""
+        theta, phi = np.radians([float(theta), float(phi)])
+        assert vectors[name] == pytest.approx([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], abs=2e-9), region
+
+    if given["form"] == "fibre_printed":
+        aims("light", given["theta"], given["azimuth"])
+        return
+    form = FORMS.get(given["form"], FORMS["rotate"])
+    assert told["form"] == form.label + (f" ({form.source})" if form.source else "")
+    size = float(given.get("size", 200 if form.mdf == "ashikhmin_shirley" else 0.1))
+    wide = (size, size / 20) if form.mdf == "ashikhmin_shirley" else (size, min(4 * size, 10))
+    said = "{:g}, {:g}".format(*(wide[::-1] if given["form"] == "rotate_always_x" else wide))
+    assert told[f"{form.mdf}, {'exponents' if form.mdf == 'ashikhmin_shirley' else 'alphas'}"] == said, region
+    aims("n", given.get("n_theta", given.get("tilt")), given.get("n_phi", given.get("azimuth")))
+    for name, word in (("wi", "light"), ("wo", "eye")):
+        if name in told:
+            aims(name, given[word], given.get(f"{word}_azimuth", 0))
+    assert told.get("horizon", given.get("horizon")) == given.get("horizon")
+    if "theta" in given:
+        aims("h", given["theta"], given["azimuth"])
+    if "n·wi" in told:
+        assert number(lines, "n·wi") == pytest.approx(np.dot(vectors["n"], vectors["wi"]), abs=1e-8)
+    same = []
+    level = "wo" in vectors and abs(np.dot(vectors["n"], vectors["wo"])) < 1e-8  # on the horizon, one rounding decides
+    if not form.printed and not level:  # what is drawn is the library's own
+        same = [("f cos there", "that of the reference"), ("there D′", "there of the reference"), ("∫D′", "∫D′ of the library")]
+    if given["form"] not in atlas_measures.FLOATS:
+        same.append(("D′ of the library", "D′ of the reference"))
+    for one, other in same:
+        if any(what.startswith(one) for what in told):
+            assert number(lines, one) == pytest.approx(number(lines, other), rel=1e-5), region
 
 
 @pytest.mark.parametrize("words, says", [
@@ -348,6 +413,100 @@ def test_a_ramp_begins_and_ends_with_its_stops():
     colours = atlas_charts.ramp("#102030", "#204060", "#ff0000")
     wanted = [(16, 32, 48), (16, 32, 48), (24, 48, 72), (32, 64, 96), (255, 0, 0), (255, 0, 0)]
     assert np.array_equal(colours(np.array([-1, 0, 0.25, 0.5, 1, 2])), wanted)
+
+
+def drawn(text):
+    """Of each SVG: (its viewBox, {words: places and anchors}, [pixels of its pictures and where they are], [paths])."""
+    found = []
+    for svg in xml.etree.ElementTree.fromstring(f"<all>{text}</all>".replace(' xmlns="http://www.w3.org/2000/svg"', "")):
+        words, images, paths = {}, [], [path.get("d") for path in svg.iter("path")]
+        for one in svg.iter("text"):
+            words.setdefault("".join(one.itertext()), []).append((float(one.get("x")), float(one.get("y")), one.get("text-anchor")))
+        for one in svg.iter("image"):
+            pixels = np.asarray(Image.open(io.BytesIO(base64.b64decode(one.get("href").partition("base64,")[2]))))
+            images.append((pixels, *(float(one.get(name)) for name in ("x", "y", "width", "height"))))
+        found.append((svg.get("viewBox"), words, images, paths))
+    return found
+
+
+def furnace(albedo, **more):
+    return {"map": "grazing", "form": "rotate", "horizon": "hard", "albedo": albedo, **more}
+
+
+def test_a_map_is_drawn_to_scale():
+    """Colours, ticks, heads, outline and name of cells whose numbers are known: the eye to the right, the tilt upwards."""
+    numbers = {(0, 0): 0.0, (30, 0): 1.0, (60, 0): 2.0, (0, 30): 0.5, (30, 30): 1.5, (60, 30): 2.5}
+    rows = [furnace(value, eye=float(eye), tilt=float(tilt)) for (eye, tilt), value in numbers.items()]
+    scale, first, second = drawn(atlas_charts.maps([rows, rows, rows], "albedo", ("furnace",), ("eye", "tilt"), lambda _rows: "a title of more than a line's letters"))
+    assert scale[0] == "0 0 360 52" and first[0] == second[0] == "0 -13 360 185"
+    colours = {0: "08446b", 0.5: "4f9fcf", 1: "f4f4f4", 1.5: "ee9a5b", 2: "8f3b00"}
+    rgb = {value: [int(colour[k:k + 2], 16) for k in (0, 2, 4)] for value, colour in colours.items()}
+    (pixels, *place), = scale[2]
+    assert place == [20, 18, 320, 14] and pixels.shape == (1, 320, 3) and [pixels[0, k].tolist() for k in (0, -1)] == [rgb[0], rgb[2]]
+    assert {words: at for words, at in scale[1].items() if words[0] in "012"} == {
+        words: [(x, 44, "middle")] for words, x in (("0", 20), ("0.5", 100), ("1", 180), ("1.5", 260), ("2", 340))}
+    assert scale[1]["albedo of a white metal, worst azimuth"] == [(20, 12, "start")]
+    assert [image[1:] for image in first[2]] == [(42, 20, 142, 118), (210, 20, 142, 118)] and [image[1:] for image in second[2]] == [(42, 20, 142, 118)]
+    for pixels, *_place in first[2]:
+        assert pixels.shape == (118, 142, 3)
+        for (eye, tilt), value in numbers.items():  # cells reach half way to the next
+            for across, up in ((-14, -14), (14, 14), (0, 0)):
+                at = pixels[117 - int((tilt + up + 15) / 60 * 118), int((eye + across + 15) / 90 * 142)]
+                assert at.tolist() == rgb[min(value, 2)], (eye, tilt)
+    words = first[1]
+    for tick in (0, 30, 60):
+        below = [(round(left + (tick + 15) / 90 * 142, 1), 151, "middle") for left in (42, 210)]
+        beside = [(37, round(138 - (tick + 15) / 60 * 118 + 4, 1), "end")] if tick < 60 else []
+        assert words[f"{tick}"] == below[:1] + beside + below[1:], tick
+    assert words["eye from z, °"] == [(113, 165, "middle"), (281, 165, "middle")] and words["tilt of n, °"] == [(10, 82, "middle")]
+    assert words["a title of more than a"] == [(42, 0, "start"), (210, 0, "start")] and words["line's letters"] == [(42, 13, "start"), (210, 13, "start")]
+    for x, left in ((words["unexplained"][0][0], 42), (words["unexplained"][1][0], 210)):
+        assert left < x < left + 142 and words["unexplained"][0][2] == "middle"
+    wide = 0.53 * 11 * len("unexplained") / 2
+    assert first[1]["unexplained"][0][0] + wide <= 42 + 142 and 20 + 13 <= words["unexplained"][0][1] <= 138
+    edge = first[3][0]  # round what is over 1.01: from an eye at 45° below, from one at 15° above
+    lines = {tuple(sorted({(float(x), float(y)), (float(end), float(y)) if word == "H" else (float(x), float(end))}))
+             for x, y, word, end in re.findall(r"M([\d.]+) ([\d.]+)([HV])([\d.]+)", edge)}
+    assert lines == {((136.7, 138), (184, 138)), ((89.3, 20), (184, 20)), ((184, 20), (184, 138)), ((89.3, 20), (89.3, 79)), ((136.7, 79), (136.7, 138)),
+                     ((89.3, 79), (136.7, 79))} and first[3][1] == edge
+
+
+@pytest.mark.parametrize("column, values, ticks", [
+    ("theta", range(-90, 91, 15), {"−90": 0.5 / 13, "−45": 3.5 / 13, "0": 0.5, "45": 9.5 / 13, "90": 12.5 / 13}),
+    ("azimuth", range(0, 346, 15), {"0": 0.5 / 24, "90": 6.5 / 24, "180": 12.5 / 24, "270": 18.5 / 24}),
+    ("size", (0, 10, 100, 1e3, 1e6), {"0": 0.1, "100": 0.5, "10⁶": 0.9})])
+def test_ticks_of_maps(column, values, ticks):
+    """Of angles where they are, of sizes at their decades."""
+    rows = [furnace(1.0, **{column: float(value)}, tilt=float(tilt)) for value in values for tick in (0,) for tilt in (tick, 30)]
+    words = drawn(atlas_charts.maps([rows], "albedo", (), (column, "tilt"), lambda _rows: "so"))[1][1]
+    below = {said: (x - 42) / 142 for said, places in words.items() for x, y, _anchor in places if y == 151}
+    assert below == {said: pytest.approx(at, abs=1e-3) for said, at in ticks.items()}
+
+
+def test_scales_of_numbers():
+    """Of a logarithmic one decades are as far apart; what is below or above has the end's colour, NaN is grey."""
+    scale = atlas_charts.Scale(1e-3, 10, atlas_charts.ramp("#000000", "#0000ff"), "x", True)
+    assert scale.ticks() == pytest.approx([1e-3, 1e-2, 0.1, 1, 10]) and scale.place(np.array([1e-3, 0.1, 10, 1e-9])) == pytest.approx([0, 0.5, 1, 0])
+    assert scale.rgb(np.array([[1e-9, 1e-3, 0.1, 10, 99, np.nan]]))[0].tolist() == [[0, 0, 0], [0, 0, 0], [0, 0, 128], [0, 0, 255], [0, 0, 255], [154, 160, 166]]
+    plain = atlas_charts.Scale(-1, 1, atlas_charts.ramp("#000000", "#0000ff"), "x")
+    assert plain.ticks() == [-1, -0.5, 0, 0.5, 1] and plain.place(0.5) == 0.75
+    half, lobe, fibre = (atlas_charts.SCALES[name][0] for name in ("half", "lobe", "fibre"))
+    assert half({"nan": 0, "error": 0.2}) == fibre({"nan": 0, "error": 0.2}) == 0.2 and np.isnan([half({"nan": 1, "error": 0.2}), fibre({"nan": 1, "error": 0.2})]).all()
+    assert lobe({"energy": 1.25, "true_energy": 0.5}) == 0.75
+
+
+def test_names_keep_clear_of_each_other():
+    """In the middle of their region where there is room, else beside what is there, and never outside of the map."""
+    mask, xs, ys = np.ones((5, 5), bool), [20 * k for k in range(6)], [100 - 20 * k for k in range(6)]
+    assert atlas_charts.place_of(mask, [], xs, ys, 30, 13) == (50, 50)
+    x, y = atlas_charts.place_of(mask, [(50, 50, 30)], xs, ys, 30, 13)
+    assert abs(y - 50) >= 15 or abs(x - 50) >= 33
+    mask[:, 1:] = False
+    assert atlas_charts.place_of(mask, [], xs, ys, 60, 13)[0] == 32
+    mask[:], mask[0, 4] = False, True
+    assert atlas_charts.place_of(mask, [], xs, ys, 60, 13) == (68, 90)
+    mask[:], mask[4, 0] = False, True
+    assert atlas_charts.place_of(mask, [], xs, ys, 10, 13) == (10, 13)
 
 
 def test_sizes_of_lobes_are_called_what_they_are(rows):
