@@ -72,6 +72,40 @@ def test_moved_points_are_caught(tmp_path, channels):
     assert not good and rows["P"][3] == "MISSED"
 
 
+def test_how_far_dumps_are_apart(tmp_path, channels):
+    """Points in parts of the diagonal of what is seen, texture coordinates by the worse of both, a light by its worst channel and the larger of both."""
+    def change(c):
+        c["P.X"], c["uv.V"], c["light0.E.G"] = c["P.X"] + 0.02, c["uv.V"] - 0.25, 1.25 * c["light0.E.G"]
+        c["uv.U"] = c["uv.U"] + 0.125
+    changed = {name: plane.copy() for name, plane in channels.items()}
+    change(changed)
+    a, b = load(tmp_path / "a.exr", channels), load(tmp_path / "b.exr", changed)
+    seen = channels["material.ID"] >= 0
+    box = np.sqrt(sum(float(np.ptp(channels[f"P.{axis}"][seen])) ** 2 for axis in "XYZ"))
+    off = dumps.deviations(a, b)
+    assert dumps.size(a) == pytest.approx(box, rel=1e-6) and off["P"] == pytest.approx(0.02 / box, rel=1e-4)
+    assert off["uv"] == pytest.approx(0.25) and off["light0.E"] == pytest.approx(0.2) and len(off["uv"]) == seen.sum()
+    rows, columns = np.nonzero(seen)
+    assert dumps.pixels_of(a, b, "P").tolist() == np.stack([rows, columns], 1).tolist()
+
+
+@pytest.mark.parametrize("number, good", [(2.0**24, True), (2.0**24 + 2, False), (-(2.0**24) - 2, False), (0.5, False)])
+def test_numbers_of_materials_are_whole(tmp_path, channels, number, good):
+    channels["material.ID"][channels["material.ID"] >= 0] = number
+    if good:
+        assert load(tmp_path / "a.exr", channels).material.max() == number
+    else:
+        with pytest.raises(ValueError, match="a.exr: material.ID holds what is no index; expected whole numbers, -1 for a miss"):
+            load(tmp_path / "a.exr", channels)
+
+
+@pytest.mark.parametrize("a, b, off", [
+    ({"x": 1.0}, {"x": 1.0, "y": 0}, np.inf), ({"x": [1, 2.0]}, {"x": [1, 2.5]}, 0.2), ({"x": [1]}, {"x": [1, 2]}, np.inf), ("a", "b", np.inf), ("a", "a", 0),
+    (True, 1, 0), (True, 2, np.inf), ([], [], 0), ({}, {}, 0), (0, 0, 0), (-1.0, 1.0, 2), (None, None, 0), ({"x": {"y": 4.0}}, {"x": {"y": 5}}, 0.2)])
+def test_how_far_values_are_apart(a, b, off):
+    assert dumps.apart(a, b) == dumps.apart(b, a) == pytest.approx(off)
+
+
 def test_a_light_elsewhere_is_caught(tmp_path, channels):
     rows, good = compare(tmp_path, channels, lambda c: turn(c, "light0.L", 1.0))
     assert not good and rows["light0.L"][3] == "MISSED"

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures, figures and tables."""
 import os
+import re
 import time
 
 import numpy as np
@@ -180,6 +181,35 @@ def test_a_failing_step_says_which_and_why(tmp_path):
         report.step("Doing it", ["no-such-program"], tmp_path / "log")
     assert report.step("Doing it", ["sh", "-c", "echo no; exit 1"], tmp_path / "log",
                        allowed=(0, 1)) == "no\n"
+
+
+@pytest.mark.parametrize("value, power, rounded, number", [
+    (0, "0", "0", "0"), (0.05, "0.05", "0.05", "0.0500"), (1e-3, "0.001", "0.001", "0.00100"), (12.345, "12.345", "10", "12.3"), (300, "300", "300", "300"),
+    (99999.0, "99999", "10⁵", "99999"), (1e5, "10⁵", "10⁵", "1.0·10⁵"), (-2.5e-7, "-2·10⁻⁷", "-2·10⁻⁷", "-2.5·10⁻⁷"), (1e-6, "10⁻⁶", "10⁻⁶", "1.0·10⁻⁶"),
+    (0.0123, "0.0123", "0.01", "0.0123"), (-4.0, "-4", "-4", "-4.00"), (1, "1", "1", "1.00")])
+def test_numbers_as_they_are_said(value, power, rounded, number):
+    assert (report.power(value), report.rounded(value), report.number(value)) == (power, rounded, number)
+
+
+def test_a_log_has_all_that_a_program_says(tmp_path, capfd):
+    """Both its streams, in the folder where it runs, bytes that are no text among it; where nobody looks a step is one line."""
+    said = report.step("Saying", ["sh", "-c", "pwd; echo wrong >&2; printf '\\377\\n'"], tmp_path / "log", folder=tmp_path)
+    assert said.splitlines() == [str(tmp_path), "wrong", "\ufffd"] and (tmp_path / "log").read_bytes().endswith(b"wrong\n\377\n")
+    shown = capfd.readouterr()
+    assert shown.out == "" and re.fullmatch(r"Saying … \d+\.\d s\n", shown.err)
+    with pytest.raises(report.StepFailed, match=f"Saying: exit status 2; see {tmp_path}/log\nwhy"):
+        report.step("Saying", ["sh", "-c", "echo why; exit 2"], tmp_path / "log")
+    with pytest.raises(report.StepFailed, match="^Saying: no-such-program: No such file or directory$"):
+        report.step("Saying", ["no-such-program"], tmp_path / "log")
+    assert capfd.readouterr().err == "Saying … failed\n" * 2
+
+
+def test_ctrl_c_is_said(capsys):
+    def main():
+        raise KeyboardInterrupt
+    with pytest.raises(SystemExit) as left:
+        report.run(main)
+    assert left.value.code == 130 and capsys.readouterr() == ("", "\ninterrupted\n")
 
 
 def test_progress_shows_a_program_s_percentage(tmp_path, capsys, monkeypatch):

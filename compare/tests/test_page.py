@@ -2,6 +2,7 @@
 """The report's page by its parts: what is counted, escaped, sorted by, linked, and refused."""
 import re
 import xml.etree.ElementTree
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -49,6 +50,8 @@ def test_figures_and_tables_are_counted_through_the_page():
     sections = [section(figures=[part("a"), part("b")], tables=[part("t")]), section(name="other", figures=[part("a")], tables=[part("u")])]
     names = page.numbered(sections)
     assert names == {"speed-a": "Figure 1", "speed-b": "Figure 2", "other-a": "Figure 3", "speed-t": "Table 1", "other-u": "Table 2"}
+    told = [section(figures=[part("late"), part("seen"), part("choice")], tables=[part("t"), part("seen-too")], findings=[SimpleNamespace(figure="seen"), SimpleNamespace(figure="seen-too")])]
+    assert page.numbered(told) == {"speed-choice": "Figure 1", "speed-seen": "Figure 2", "speed-late": "Figure 3", "speed-t": "Table 1", "speed-seen-too": "Table 2"}
     with pytest.raises(ValueError, match="two parts are called 'a'"):
         page.numbered([section(figures=[part("a")], tables=[part("a")])])
     assert 'aria-label="a &quot;b&quot;"' in page.figure(sections[0], part("a"), names)
@@ -96,11 +99,27 @@ def test_a_page_of_its_own_and_the_report():
     assert '<tr><td>is &lt; flat</td><td data-head="use"><a href="#speed">detail</a> <code>a</code></td><td data-head="costs">2 ×</td><td data-head="fails where">never</td></tr>' in text
     assert [head for head in re.findall(r'<th scope="col">(.*?)</th>', text)][:4] == ["If your surface …", "use", "costs", "fails where"]
     assert "Figure&nbsp;2" in text and text.count("<b>Figure 1.</b>") == 1
+    assert len(re.findall(r' id="([^"]*)"', text)) == len(set(re.findall(r' id="([^"]*)"', text)))  # each part stands once
     quick = page.html(sections, head, True)
     assert "libshade · quick report" in quick and page.QUICK[:30] in quick
     alone = page.html(sections[1:], head, False, alone=True)
     assert "<h1>Where</h1>" in alone and '<a href="report.html">report</a>' in alone and 'id="atlas-map"' in alone and 'id="atlas-u"' in alone and "So it is." in alone
     assert '<a class="skip" href="#atlas">To the text</a>' in alone and 'id="answers"' not in alone
+
+
+def test_words_of_a_page_are_counted_before_its_appendix():
+    """Those of charts among them, tags and what stands around it not; one too many is refused, with both numbers."""
+    assert page.words('<p>not</p><main><h2 class="a b">one two</h2><text>three</text> &amp; <b>four</b><section id="appendix">five</section></main>six') == 5
+    head = {"command": "make"}
+    of = page.Section("speed", "Speed", "", [], [], [], {}, 0)
+    fewest = page.words(page.html([of], head, False))
+    long = lambda count: page.html([replace(of, intro="word " * count)], head, False)
+    assert page.MOST == 6000 and page.words(long(6000 - fewest)) == 6000
+    with pytest.raises(ValueError, match="the report has 6001 words before its appendix: expected 6000 at most"):
+        long(6001 - fewest)
+    page.html([replace(of, intro="word " * 7000)], head, False, alone=True)
+    noisy = [replace(of, left=1), replace(of, name="other", left=1)]
+    assert "2 sentences about times are left out" in page.html(noisy, head, False) and "left out" not in page.html([of], head, False)
 
 
 # ---- charts -------------------------------------------------------------------------------------------------

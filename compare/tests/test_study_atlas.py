@@ -266,6 +266,11 @@ TITLES = {
     "pairs-light": "Exchange of light and eye, by the light's angle", "steps-light": "Jumps of f cos, by the light's angle", "fibre": "The fibre integral as printed"}
 
 
+HORIZONS = ["hard", "valid reflection", "estevez", "chiang", "schuessler", "valid estevez"]
+OF_MAPS = {"pairs": HORIZONS, "pairs-eye": HORIZONS, "pairs-light": HORIZONS, "narrow-pairs": ["rotate", "rotate, default horizon"], "fibre": ["Eq. 10"],
+           "rounding": ["pow, x² + y²", "pow, 1 − z²", "library, float", "library, double"], "peak": ["rotate", "conserving", "deform smooth,", "none", "without 1/L", "Beckmann rotated"]}
+
+
 def test_maps_name_what_fails(rows):
     """Each region's name stands on a map of its kind, the SVG is well formed and holds no number of a NaN."""
     figures = {f.id: f for f in study_atlas.figures(rows)}
@@ -289,6 +294,16 @@ def test_maps_name_what_fails(rows):
     for (form, place), row in zip(dict.fromkeys(key[:2] for key in jump), jumps.rows):
         assert row[:2] == ["D′, " + study_atlas.FORMS[form].label, place] and row[2:-1] == [jump[form, place, far] for far in distances]
     assert any(row[2] != row[-2] for row in jumps.rows)
+    assert all((row[-1] == "stays") == (row[-2] > 2e-5) for row in jumps.rows)
+    for name, titles in OF_MAPS.items():  # letters of a line that are bold; a map whose title has two says them last first
+        assert re.findall(r"font-weight: 600\">([^<]*)<", figures[name].svg) == titles, name
+    for name, count in {"half-rotation": 6, "half-warp": 6, "half-usual": 4, "half-slopes": 9}.items():
+        assert figures[name].svg.count(">n at 90°<") == count and figures[name].svg.count("<image") == 1 + 2 * count
+    for name, horizons in {"steps-eye": 6, "steps-light": 6, "beam": 6, "albedo": 1, "spread": 1, "narrow-spread": 1, "narrow-albedo": 1}.items():
+        words = ["rotate, default horizon"] if horizons == 1 else HORIZONS
+        assert all(figures[name].svg.count(f">{word}<") == 1 for word in words) and ">Gram-Schmidt<" in figures[name].svg, name
+    assert not any("as printed<" in figures[name].svg for name in ("spread", "narrow-spread", "beam", "steps-eye", "steps-light"))
+    assert ">azimuth of light, °<" in figures["fibre"].svg and ">light from z, °<" in figures["fibre"].svg and "azimuth of n" not in figures["fibre"].svg
     linked = {f.figure for f in study_atlas.findings(rows)}
     assert linked <= {*figures, "regions", "jumps"}
 
