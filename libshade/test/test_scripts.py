@@ -5,6 +5,7 @@ import importlib.util
 import json
 import os
 import re
+import shlex
 import shutil
 import struct
 import subprocess
@@ -483,6 +484,145 @@ def test_sources_of_windows(house, programs, tmp_path):
     done = run(root / "setup/windows-sources.sh", tmp_path / "sources", env=environment)
     assert done.returncode == 0, done.stderr
     assert re.search(r"source --only-source openexr libpng1.6 zlib cmocka", (tmp_path / "log").read_text())
+
+
+def test_libraries_for_arm64(house, programs, tmp_path):
+    """Unpacked where they are asked for, of that machine and no other; the packages go."""
+    root, environment = house("arm64-libraries.sh", "own_apt.sh"), programs(APT, "basename")
+    done = run(root / "setup/arm64-libraries.sh", env=environment)
+    assert done.returncode == 2 and "setup/arm64-libraries.sh FOLDER" in done.stderr
+    target = tmp_path / "arm64"
+    target.mkdir()
+    (target / "old").touch()
+    stand_ins = {**APT, "apt-get": APT["apt-get"] + '\n[ ! -f sources.list ] || cp sources.list "$HOME/kept"', "dpkg-deb": 'mkdir -p "$3/usr/lib"; touch "$3/usr/lib/${2#./}.so"'}
+    done = run(root / "setup/arm64-libraries.sh", target, env=programs(stand_ins, "basename"))
+    assert done.returncode == 0 and done.stdout == f"setup: Embree, OpenEXR and libpng for arm64 into {target}\n", done.stderr
+    assert sorted(str(path.relative_to(target)) for path in target.rglob("*") if path.is_file()) == ["usr/lib/a.deb.so", "usr/lib/b.deb.so"]
+    assert (tmp_path / "kept").read_text() == "deb [arch=arm64] http://mirror/debian bookworm main\n"
+    asked = re.search(r" download (.*)", (tmp_path / "log").read_text())[1].split()
+    assert all(name.endswith(":arm64") for name in asked)
+    assert {"libembree3-3", "libtbb12", "libopenexr-dev", "libpng-dev", "zlib1g-dev", "libstdc++6", "libgcc-s1"} <= {name.partition(":")[0] for name in asked}
+
+
+SLURM = "slurmctld slurmd slurm-client munge"
+
+
+@pytest.mark.parametrize("release, user, apt, brings, said", [
+    ("12", "0", True, True, ""), ("13", "0", True, True, ""), ("", "0", True, True, ""), ("12", "0", True, False, "Slurm was installed in vain"),
+    ("12", "0", False, False, "Slurm cannot be installed"), ("12", "1000", True, True, "only root installs a scheduler here"),
+    ("12", "0", None, True, "there is no apt")])
+def test_slurm_for_the_farms_tests(house, programs, tmp_path, release, user, apt, brings, said):
+    """Its packages alone, no service of which starts; where it cannot be had that is said, with status 0."""
+    sbin = tmp_path / "sbin"
+    sbin.mkdir()
+    root = house("slurm.sh", files={"setup/apt.sh": f'#!/bin/sh\n"{sbin}/policy-rc.d"; echo "$? $(cat $1)" >>"{tmp_path}/asked"\n{apt or "exit 1"}\n' + (
+        f'for name in munged slurmctld slurmd sbatch; do printf "#!/bin/sh\\n" >"{sbin}/$name"; chmod 755 "{sbin}/$name"; done\n' if brings else "")})
+    (tmp_path / "os-release").write_text(f'NAME="Debian"\nVERSION_ID="{release}"\n' if release else "NAME=sid\n")
+    script = root / "setup/slurm.sh"
+    script.write_text(script.read_text().replace(":/usr/sbin:/sbin", f":{sbin}").replace("/usr/sbin", str(sbin)).replace("/etc/os-release", str(tmp_path / "os-release")))
+    environment = programs({"id": f"echo {user}", "true": "exit 0", "True": "exit 0", **({} if apt is None else {"apt-get": ""})}, "chmod")
+    done = run(script, env=environment)
+    assert (done.returncode, done.stdout) == (0, "") and not (sbin / "policy-rc.d").exists()
+    packages = SLURM + (" systemd-standalone-sysusers" if release == "13" else "")
+    assert done.stderr == (f"setup: {said}: tests of Slurm are skipped. They need: {packages}\n" if said else "")
+    asked = (tmp_path / "asked").read_text() if (tmp_path / "asked").exists() else ""
+    assert asked == (f"101 {packages}\n" if user == "0" and apt is not None else "")
+    if not said:
+        assert run(script, env=environment).returncode == 0 and (tmp_path / "asked").read_text() == asked  # it is there
+        (sbin / "sbatch").unlink()
+        (sbin / "policy-rc.d").write_text("#!/bin/sh\nexit 7\n")
+        (sbin / "policy-rc.d").chmod(0o755)
+        run(script, env=environment)
+        assert (tmp_path / "asked").read_text() == asked + f"7 {packages}\n" and (sbin / "policy-rc.d").exists()  # somebody's own stays
+
+
+# ---- make
+
+
+def made_by(root, *words, **more):
+    own = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS")) and name not in ("NEEDS", "B")}  # not those of `make check`
+    return run("make", "--no-print-directory", *words, cwd=root, env={**own, **more})
+
+
+def test_environments_of_python(house, tmp_path):
+    """Of the pins that each has, once, and again when pins change; bpy by the version of the system's Python."""
+    names = ("", "-peers", "-release", "-lint", "-manual", *(f"-bpy-{version}" for version in ("4.2", "5.0", "5.2")))
+    log = tmp_path / "log"
+    root = house("setup.mk", files={**{f"setup/requirements{name}.txt": "" for name in names}, **{f"setup/packages-{name}.txt": "" for name in ("demo", "test", "peers", "lint", "release")},
+                                    "Makefile": "B := build\nall:\n\t@echo all\ninclude setup/setup.mk\ndebian:\n\t@:\n", "setup/apt.sh": f'#!/bin/sh\necho "apt $*" >>{log}\n',
+                                    "setup/release-sources.sh": f'#!/bin/sh\nmkdir -p $1; echo "sources $1" >>{log}\n', "version": "3.11",
+                                    "python": f'#!/bin/sh\n[ "$1" != -c ] || exec cat version\necho "venv $3" >>{log}; mkdir -p $3/bin; printf \'#!/bin/sh\\necho "pip $*" >>{log}\\n\' >$3/bin/pip\nchmod 755 $3/bin/pip\n'})
+
+    def made(*goals):
+        log.write_text("")
+        done = made_by(root, "-j1", "PYTHON3=./python", *goals)
+        return done, sorted(re.sub("--disable-pip-version-check|--quiet|--retries 5", "", line).split() for line in log.read_text().splitlines())
+    of = lambda name, pins, *flags: [["pip", "install", *flags, "-r", f"setup/requirements{pins}.txt"], ["venv", f"build/venv{name}"]]
+    apt = lambda *lists: [["apt", f"setup/packages-{name}.txt"] for name in lists]
+    done, log_of = made("setup-demo")
+    assert log_of == sorted([*apt("demo"), *of("", "")]) and done.stdout == "setup: Python packages of setup/requirements.txt into build/venv\n", done.stderr
+    assert made("setup-demo")[1] == []
+    (root / "setup/requirements.txt").write_text("# other\n")
+    os.utime(root / "setup/requirements.txt", (2e9, 2e9))
+    assert made("setup-demo")[1] == sorted(of("", ""))
+    os.utime(root / "setup/requirements.txt", (1e9, 1e9))
+    made("setup-demo")
+    assert made("setup-peers")[1] == sorted([*apt("peers"), *of("-bpy", "-bpy-5.0"), *of("-peers", "-peers")])
+    assert made("setup-lint")[1] == sorted([*apt("lint"), *of("-lint", "-lint")])
+    assert made("setup-release")[1] == sorted([*apt("release"), *of("-release", "-release", "--no-deps", "--no-compile"), ["sources", "build/release/debian"]])
+    for name in ("manual", "bpy-4.2"):
+        assert made(f"build/venv-{name}/done")[1] == sorted(of(f"-{name}", f"-{name}"))
+    for version, pins in (("3.13", "5.2"), ("3.12", None)):
+        (root / "version").write_text(version)
+        shutil.rmtree(root / "build/venv-bpy")
+        done, log_of = made("setup-test")
+        if pins:
+            assert log_of == sorted([*apt("test"), *of("-bpy", f"-bpy-{pins}")])
+        else:
+            assert done.returncode == 2 and "PyPI has no bpy for Python 3.12" in done.stderr and log_of == []
+    (root / "version").write_text("3.11")
+    shutil.rmtree(root / "build")
+    done, log_of = made("lint")  # a goal's needs are there before it begins
+    assert log_of == sorted([*apt("demo", "lint"), *of("-lint", "-lint")]) and (root / "build/setup/lint.stamp").exists()
+
+
+def test_judges_are_heard_one_after_the_other(house, tmp_path):
+    """All of them and the report, whoever finds what; who found nothing is not asked again until something changes; Ctrl-C ends it."""
+    log = tmp_path / "log"
+    root = house(files={"compare/compare.mk": (ROOT / "compare/compare.mk").read_text(), "compare/truth.py": "", "compare/plain.c": "",
+                        "Makefile": re.search(r"^\.PHONY: all .*\n", (ROOT / "Makefile").read_text(), re.M)[0] + "B := build\nL := libshade\nPY := ./python\nBLENDER_READY := build/ready\nPOVRAY := build/povray\nall povray:\n\t@:\ninclude compare/compare.mk\n",
+                        "python": f'#!/bin/sh\necho "$*" >>{log}\ncase "$*" in *"$BAD"*) exit ${{STATUS:-1}} ;; esac\n'})
+    listed = shlex.split(re.search(r"^JUDGES := (.*\\\n.*)$", (root / "compare/compare.mk").read_text(), re.M)[1].replace("\\\n", ""))
+    assert {word.split()[0] for word in listed} == {f"{name}.py" for name in "truth slopes horizon steep_bumps fabric speed paths".split()}
+    there = ["build/ready", "build/povray", "build/shade", "build/libshade-blender.zip", *(f"build/{name}" for name in ("horizon", "displaced", "bumps", "plain.so"))]
+    (root / "build").mkdir()
+    for name in there:
+        (root / name).touch()
+        os.utime(root / name, (1e9, 1e9))
+    os.utime(root / "compare/truth.py", (1e9, 1e9))
+
+    def made(*words, bad="none", **more):
+        log.write_text("")
+        done = made_by(root, "-j1", "compare", *(word for name in ("demo", *there) for word in ("-o", name)), *words, BAD=bad, **more)
+        return done, log.read_text().splitlines()
+    plan, report = "compare/report_page.py --plan", "compare/report_page.py --results"
+    done, asked = made(bad="compare/slopes.py")
+    assert asked == [plan, *(f"compare/{judge}" for judge in listed), report] and done.returncode == 2, done.stderr + done.stdout
+    assert "make compare: not within limits, or failed: compare/slopes.py; see above\n" in done.stderr
+    done, asked = made("ENGINE=slurm")
+    assert asked == [plan, "compare/slopes.py", report + " --engine slurm"] and done.returncode == 0, done.stderr
+    assert [line for line in done.stdout.splitlines() if "within limits" in line] == [
+        f"compare/{judge}: within limits, as found before" for judge in listed if judge != "slopes.py"]
+    assert made()[1] == [plan, report]
+    (root / "compare/truth.py").touch()
+    os.utime(root / "compare/truth.py", (2e9, 2e9))
+    done, asked = made(bad=f"compare/{listed[1]}", STATUS="130")
+    assert asked == [plan, *(f"compare/{judge}" for judge in listed[:2])] and done.returncode == 2 and "not within limits" not in done.stderr
+    assert made_by(root, "bench-frames", "-o", "build/ready", "-o", "build/shade", "-o", "povray", "-o", "setup-demo").returncode == 2
+    log.write_text("")
+    words = ["bench-frames", "ONLY=plate pan", "FRAMES=--minutes 20", "BEFORE=HEAD"]
+    made_by(root, *words, *(word for name in ("build/ready", "build/shade", "povray", "setup-demo") for word in ("-o", name)), BAD="none")
+    assert log.read_text() == "compare/bench_frames.py HEAD --only plate pan --minutes 20\n"
 
 
 def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):

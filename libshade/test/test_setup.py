@@ -70,7 +70,10 @@ NEEDED = {"demo": "blender build demo povray", "compare": "blender build demo po
           "povray": "build povray", "povray-package": "build package povray", "check-libshade": "build test", "check": "blender build", "lint": "lint",
           "release": "arm64 blender build macos release windows", "release-addon": "blender build release", "windows": "blender build windows",
           "macos": "blender build macos release", "check-windows": "blender build test windows", "check-arm64": "arm64 blender build test windows",
-          "check-macos": "blender build macos release test", "povray lint": "build lint povray"}
+          "check-macos": "blender build macos release test", "povray lint": "build lint povray",
+          "native-sanitized": "blender build test", "check-sanitized": "blender build test", "compare-quick": "blender build demo povray",
+          "soak": "blender build package povray release test", "check-povray-package": "build package povray test", "check-povray-scenes": "build povray test",
+          "soak-machines": "arm64 blender build macos release test windows", "fuzz": "blender build test", "clean": "", "all": ""}
 
 
 def test_what_a_goal_needs():
