@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report's page by its parts: what is counted, escaped, sorted by, linked, and refused."""
 import re
+import sys
 import xml.etree.ElementTree
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import page
+import report_page
+import study
 import style
 
 COST = 1.3
@@ -213,3 +217,157 @@ def test_words_at_the_ends_of_lines():
     step, dot = 11 * figure.dpi / 72, axes.transData.transform((9, 8.0))
     assert at["rotate"][1] + step <= at["auto"][1] and at["auto"][1] + step <= at["perturb"][1] < at["none"][1] and abs(at["none"][1] - dot[1]) < 2
     assert all(dot[0] + 5 < x < dot[0] + 20 for x, _y in at.values()) and [text.get_color() for text in axes.texts].count(style.BLUE) == 1
+
+
+# ---- how the report is made ------------------------------------------------------------------------------
+
+
+def test_what_the_report_is_asked(capsys):
+    """Where it lands, of which studies and in which order."""
+    build = report_page.programs.BUILD.resolve()
+    for words, folder in (([], "compare"), (["--quick"], "compare/quick"), (["--output", "x/../y"], None)):
+        options = report_page.arguments(words)
+        assert options.output == (build / folder if folder else Path("y").resolve())
+        assert (options.quick, options.again, options.plan, options.results, options.engine, options.piece) == ("--quick" in words, False, False, False, None, None)
+    assert list(options.studies) == "speed precision horizons diffuse lobes cloth frames atlas truth consistency peers".split()
+    assert list(report_page.arguments(["--only", "truth", "--only", "speed", "--engine", "slurm", "--results"]).studies) == ["speed", "truth"]
+    for words, said in ((["--quick", "--results"], "--results: the quick report is too rough for docs/results/"), (["--only", "none"], "--only none: no such study; there are speed, precision"),
+                        (["--engine", "pbs"], "invalid choice: 'pbs'"), (["--output", __file__], f"--output {__file__}: no folder")):
+        with pytest.raises(SystemExit) as end:
+            report_page.arguments(words)
+        assert end.value.code == 2 and said in capsys.readouterr().err
+
+
+@pytest.fixture
+def made_of(tmp_path, monkeypatch):
+    """made_of(tasks, findings) -> options of one study, `atlas`, which stands for any."""
+    monkeypatch.setattr(report_page.programs, "BUILD", tmp_path)
+    monkeypatch.setattr(report_page.programs, "SHADE", __file__)
+
+    def made(tasks, findings=(), name="atlas"):
+        module = SimpleNamespace(NAME=name, TITLE="T", INTRO="I.", __file__=page.__file__, tasks=lambda _quick: tasks, findings=lambda _rows: list(findings),
+                                 figures=lambda _rows: [], tables=lambda _rows: [])
+        return SimpleNamespace(studies={name: module}, output=tmp_path, quick=False, again=False, engine="slurm", results=False, plan=False, piece=None, stamp=None)
+    return made
+
+
+HEAD = {"date": "today", "machine": "m", "compiler": "c", "commit": "1", "command": "make compare"}
+
+
+def test_pieces_that_cannot_be(made_of, tmp_path):
+    for keys in (("a b",), ("a", "a"), ("",)):
+        with pytest.raises(ValueError, match=f"page.py: task '{keys[-1]}': expected letters, digits, - and _, and no key twice"):
+            report_page.plan(made_of([study.Task(key, 1, None) for key in keys]), HEAD)
+    options = made_of([study.Task("none", 1, lambda _folder, _say: []), study.Task("some", 1, lambda _folder, _say: [{"n": 1}], "make it")])
+    none, some = report_page.plan(options, HEAD)
+    with pytest.raises(ValueError, match="study atlas, none: no rows"):
+        report_page.do(*none[:4], HEAD, None)
+    report_page.do(*some[:4], HEAD, None)
+    assert report_page.read_rows(some[2]) == ([{"n": 1}], {**HEAD, "command": "make it", "stamp": some[3]}) and not some[2].with_suffix("").exists()
+    assert [piece[-1] for piece in report_page.plan(options, HEAD)] == [False, True]
+
+
+def test_what_is_gathered(made_of, tmp_path, capsys):
+    """The rows of all pieces in one file, how each was made; sentences that do not hold are told, all of them; a study of the full report is left out."""
+    tasks = [study.Task(key, 1, lambda _folder, _say, key=key: [{"of": key}, {"of": key}], command) for key, command in (("a", "one"), ("b", "one"), ("c", ""))]
+    findings = [study.Finding("It is so.", True), study.Finding("It is not.", False), study.Finding("Nor this.", False)]
+    options = made_of(tasks, findings[:1])
+    report_page.work(report_page.plan(options, HEAD), HEAD)
+    lines = capsys.readouterr().err.splitlines()
+    assert [re.sub(r"… .*", "", line) for line in lines] == ["[1/3, 3 s left] atlas: a ", "[2/3, 2 s left] atlas: b ", "[3/3, 1 s left] atlas: c "]
+    section, = report_page.gather(options, report_page.plan(options, HEAD), HEAD)
+    assert (section.name, section.count, section.left, section.apart, dict(section.commands)) == ("atlas", 6, 0, True, {"one": ["a", "b"]})
+    assert report_page.read_rows(tmp_path / "data/atlas.csv") == ([{"of": key} for key in "aabbcc"], HEAD)
+    options = made_of(tasks, findings)
+    with pytest.raises(ValueError) as wrong:
+        report_page.gather(options, report_page.plan(options, HEAD), HEAD)
+    assert str(wrong.value).splitlines() == ["no page, since findings do not hold:", *(
+        f'  study atlas: does not hold for data/atlas.csv: "{text}"' for text in ("It is not.", "Nor this."))]
+    assert report_page.gather(options, [], HEAD) == []
+
+    def fails(_folder, _say):
+        raise OSError("disk")
+    with pytest.raises(OSError):
+        report_page.work(report_page.plan(made_of([study.Task("a", 1, fails)], name="other"), HEAD), HEAD)
+    assert capsys.readouterr().err == "[1/1, 1 s left] other: a … failed\n"
+
+
+def test_pieces_by_a_farm(made_of, tmp_path, monkeypatch, capsys):
+    """What it is handed, and what is said where pieces fail, none were taken, or it was broken off."""
+    monkeypatch.setattr(report_page.time, "sleep", lambda _seconds: None)
+    tasks = [study.Task(key, 1, lambda _folder, _say: [{"n": 1}]) for key in ("a", "b")]
+    asked = []
+
+    def farm(options, status=0, wrong=(), submitted=True):
+        def run(command):
+            folder = Path(command[command.index("-o") + 1])
+            asked.append((command, folder))
+            (folder / "results").mkdir(parents=True)
+            if submitted:
+                (folder / "job.json").touch()
+                (folder / "finished.json").write_text(report_page.json.dumps({"wrong": list(wrong)}))
+            return SimpleNamespace(returncode=status)
+        monkeypatch.setattr(report_page.subprocess, "run", run)
+        report_page.farm(options, report_page.plan(options, HEAD))
+    options = made_of(tasks)
+    pieces = report_page.plan(options, HEAD)
+    farm(options, 1)
+    command, folder = asked[0]
+    root = report_page.programs.ROOT
+    assert command == ["/usr/bin/python3", f"{root}/farm", "submit", f"{tmp_path}/report-1.items", "-o", f"{tmp_path}/farm.1", "--engine", "slurm"]
+    said = report_page.json.loads((tmp_path / "report-1.items").read_text())
+    words = [sys.executable, str(root / "compare/report_page.py"), "--output", str(tmp_path)]
+    assert said == {"folder": str(root), "inputs": [], "items": [{"name": f"atlas: {key}", "words": [*words, "--piece", f"atlas/{key}", "--stamp", piece[3]]}
+                                                               for key, piece in zip("ab", pieces)]}
+    assert re.fullmatch(r"2 pieces by slurm … \d+\.\d s\n", capsys.readouterr().err)
+    report_page.do(*pieces[0][:4], HEAD, None)
+    options.quick = True
+    (tmp_path / "farm.x").mkdir()
+    with pytest.raises(ValueError) as failed:
+        farm(options, wrong=["atlas: b: exit status 1"])
+    assert str(failed.value).splitlines() == [f"pieces failed; go on with: /usr/bin/python3 {root}/farm resume {tmp_path}/farm.2", "  atlas: b: exit status 1"]
+    assert "… failed" in capsys.readouterr().err and [item["words"][2] for item in report_page.json.loads((tmp_path / "report-2.items").read_text())["items"]] == ["--quick"] * 2
+    options.quick = False
+    with pytest.raises(ValueError, match="the pieces were not submitted"):
+        farm(options, submitted=False)
+    assert len(report_page.json.loads((tmp_path / "report-3.items").read_text())["items"]) == 1  # the other is there
+    with pytest.raises(KeyboardInterrupt):
+        farm(options, 130)
+    asked.clear()
+    farm(made_of(tasks, name="speed"))  # it measures times
+    report_page.do(*pieces[1][:4], HEAD, None)
+    farm(options)
+    assert asked == []
+
+
+def test_what_the_report_says_and_writes(made_of, tmp_path, monkeypatch, capsys):
+    """Its plan, the page and those of studies apart, tables of results where they are asked for."""
+    options = made_of([study.Task("a", 100, lambda _folder, say: say("half") or [{"n": 1}])], [study.Finding("So.", True), study.Finding("Late.", False, timed=True)])
+    options.quick, kept = True, []
+    monkeypatch.setattr(report_page, "arguments", lambda _argv: options)
+    monkeypatch.setattr(report_page.results, "surroundings", lambda command: {**HEAD, "command": command})
+    monkeypatch.setattr(report_page.results, "write_tables", lambda name, _tables, head: kept.append((name, head["command"])))
+    monkeypatch.setattr(report_page, "farm", lambda of, pieces: kept.append(("farm", of.engine, len(pieces))))
+    options.engine, options.plan = None, True
+    assert report_page.main() == 0 and capsys.readouterr().out == "1 pieces; about 2 min on two idle cores\n" and not (tmp_path / "report.html").exists()
+    options.plan, options.piece = False, "atlas/b"
+    with pytest.raises(ValueError, match="--piece atlas/b: no such piece"):
+        report_page.main()
+    options.piece, options.stamp = "atlas/a", "a stamp"
+    assert report_page.main() == 0 and capsys.readouterr().out == "half\n" and report_page.read_rows(tmp_path / "data/atlas/a.csv")[1]["stamp"] == "a stamp"
+    options.piece = None
+    assert report_page.main() == 0
+    said = capsys.readouterr()
+    assert said.out.splitlines() == ["1 pieces; about 2 min on two idle cores", f"The report: {tmp_path}/report.html"] and kept == []
+    assert said.err.splitlines()[1:] == ["One sentence about times is left out: this run was too noisy to tell."]
+    pages = [(tmp_path / f"{name}.html").read_text(encoding="utf-8") for name in ("report", "atlas")]
+    assert all("<code>make compare-quick</code>" in text for text in pages) and ["quick report</p>" in text for text in pages] == [True, False]
+    options.quick, options.results, options.engine, options.again = False, True, "slurm", True
+    with pytest.raises(ValueError, match='does not hold for data/atlas.csv: "Late."'):
+        report_page.main()
+    assert kept == [("farm", "slurm", 1)] and options.again is False
+    options.studies["atlas"].findings = lambda _rows: [study.Finding("So.", True)]
+    assert report_page.main() == 0 and kept[1:] == [("farm", "slurm", 1), ("atlas", "make compare")]
+    monkeypatch.setattr(report_page.programs, "SHADE", str(tmp_path / "none"))
+    with pytest.raises(ValueError, match="none: no such file; run make"):
+        report_page.main()
