@@ -134,6 +134,29 @@ def test_items_are_frames_by_tiles_by_shares():
     assert item.is_part({"share": [0, 1]}) and item.is_part({"tile": [0, 0, 1, 1]}) and not item.is_part({"frame": 1}) and item.key_of_frame(None) == "f" and item.key_of_frame(7) == "f7"
 
 
+@pytest.mark.parametrize("samples, parts, together, wanted", [
+    (100, 3, False, [0, 33, 66, 100]), (127, 2, False, [0, 63, 127]), (128, 2, False, [0, 64, 128]), (300, 2, False, [0, 128, 300]), (300, 4, False, [0, 64, 128, 256, 300]),
+    (4, 4, False, [0, 1, 2, 3, 4]), (16, 2, True, [0, 4, 16]), (300, 1, True, [0, 300]), (1000, 2, True, [0, 512, 1000]), (64, 2, True, [0, 16, 64])])
+def test_shares_of_samples(samples, parts, together, wanted):
+    """As even as they can be; where they are long, and of cloth always, between passes: 4, 16, 64 samples, then each 64."""
+    assert renderers.cuts_of_samples(samples, parts, together) == list(zip(wanted, wanted[1:]))
+    with pytest.raises(files.Refusal, match=f"^{samples} samples cannot be cut into {samples + 1} shares$"):
+        renderers.cuts_of_samples(samples, samples + 1, together)
+
+
+def test_what_runs_is_seen_to_run(tmp_path, monkeypatch):
+    """Its mark is touched again and again, and goes with it."""
+    monkeypatch.setattr(item, "_TOUCH_SECONDS", 0.01)
+    place = tmp_path / "running"
+    with item._Touched(str(place)):
+        os.utime(place, (1, 1))
+        end = time.monotonic() + 20
+        while place.stat().st_mtime < 2 and time.monotonic() < end:
+            time.sleep(0.01)
+        assert place.stat().st_mtime > 2 and files.read_json(str(place)) == {"host": files.host(), "pid": os.getpid()}
+    assert not place.exists()
+
+
 def test_programs_and_folders(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(main, "built", lambda: str(tmp_path))
@@ -621,7 +644,7 @@ def test_what_a_renderer_says_at_its_end(tmp_path, monkeypatch):
 
 def test_what_runs_here_is_ended(job, monkeypatch):
     """The process that a submission's folder names, if that is still one of ours."""
-    made = job(engine="local")
+    made = job(engine="slurm")  # and was resumed here
     hangs = [f"nothing runs it on {files.host()}; go on with: libshade-farm resume '{made.folder}'"]
     with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)", "submit"]) as child:
         while b"submit" not in pathlib.Path(f"/proc/{child.pid}/cmdline").read_bytes():
@@ -673,9 +696,15 @@ def test_an_item_from_begin_to_end(job, monkeypatch, capsys, tmp_path):
         assert {**files.read_json(made.path("failed", "1.json")), "time": 0} == {"host": "here", "message": text, "log": made.log(1), "time": 0} and not os.listdir(made.path("work"))
     fails.clear()
     assert item.run(made, 1) == 0 and os.listdir(made.path("frames")) == ["a.png"] and made.missing() == []
+    pathlib.Path(made.path("results/0/a.png")).write_text("other")  # a disk has damaged it
+    pathlib.Path(made.path("frames/a.png")).unlink()
+    capsys.readouterr()
+    assert item.run(made, 0) == 0 and os.stat(made.path("results/0/a.png")).st_size == 0 and capsys.readouterr().out == "" and os.listdir(made.path("frames")) == ["a.png"]
     (tmp_path / "a.pov").write_text("x")
-    with pytest.raises(files.Refusal, match="a.pov: an input is another than was submitted; put the old one back, or submit again"):
-        made.check_inputs()
+    pathlib.Path(made.path("results/0/a.png")).unlink()
+    rendered = len(seen)
+    assert item.run(made, 0) == 1 and len(seen) == rendered
+    assert f"{tmp_path}/a.pov: an input is another than was submitted; put the old one back, or submit again; on here" in capsys.readouterr().out
 
 
 def test_frames_of_parts(job, monkeypatch):

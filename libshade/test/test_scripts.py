@@ -618,11 +618,56 @@ def test_judges_are_heard_one_after_the_other(house, tmp_path):
     os.utime(root / "compare/truth.py", (2e9, 2e9))
     done, asked = made(bad=f"compare/{listed[1]}", STATUS="130")
     assert asked == [plan, *(f"compare/{judge}" for judge in listed[:2])] and done.returncode == 2 and "not within limits" not in done.stderr
-    assert made_by(root, "bench-frames", "-o", "build/ready", "-o", "build/shade", "-o", "povray", "-o", "setup-demo").returncode == 2
-    log.write_text("")
-    words = ["bench-frames", "ONLY=plate pan", "FRAMES=--minutes 20", "BEFORE=HEAD"]
-    made_by(root, *words, *(word for name in ("build/ready", "build/shade", "povray", "setup-demo") for word in ("-o", name)), BAD="none")
-    assert log.read_text() == "compare/bench_frames.py HEAD --only plate pan --minutes 20\n"
+
+
+COMPARED = {  # by goal and its words, what is asked
+    "compare-quick": "compare/report_page.py --quick", "compare-quick ENGINE=slurm": "compare/report_page.py --quick --engine slurm",
+    "compare-peers": "compare/report_page.py --only peers --output build/compare/peers", "compare-files": "compare/real_files.py",
+    "compare-files 'FILES=--filter a --count 5'": "compare/real_files.py --filter a --count 5", "compare-materials 'MATERIALS=--blender 5.0'": "compare/materials.py --blender 5.0",
+    "bench-povray": "compare/twins.py build/povray -o build/twins.csv", "bench-frames BEFORE=HEAD": "compare/bench_frames.py HEAD",
+    "bench-frames 'ONLY=plate pan' 'FRAMES=--minutes 20' BEFORE=v1": "compare/bench_frames.py v1 --only plate pan --minutes 20"}
+
+
+def test_what_make_compares(house, tmp_path):
+    """The demo's table is kept where the verdict is good, and shown in any case; other goals ask one script each."""
+    log = tmp_path / "log"
+    goals = re.search(r"^\.PHONY: all .*\n", (ROOT / "Makefile").read_text(), re.M)[0]
+    root = house(files={"compare/compare.mk": (ROOT / "compare/compare.mk").read_text(), "compare/page.py": "", "examples/blender/suzanne/make_scene.py": "",
+                        "Makefile": goals + "B := build\nVENV_BPY := build/venv-bpy\nPY := ./python\nBLENDER_READY := build/ready\nPOVRAY := build/povray\nall povray:\n\t@:\ninclude compare/compare.mk\n",
+                        "python": f'#!/bin/sh\necho "$*" >>{log}\necho a table\n[ ! -e bad ]\n',
+                        "blender": f'#!/bin/sh\nfor made; do :; done\necho "blender $* by $BLENDER_USER_SCRIPTS" >>{log}\nseq 20\n[ ! -e bad ] || exit 3\ntouch $made\n'})
+    (root / "build/venv-bpy").mkdir(parents=True)
+    there = ["build/ready", "build/povray", "build/shade", "build/libshade-blender.zip", "build/venv-bpy/done", "povray", "setup-demo", "setup-test",
+             *(f"build/{name}" for name in ("horizon", "displaced", "bumps", "plain.so"))]
+    for name in there:
+        if name.startswith("build/"):
+            (root / name).touch()
+            os.utime(root / name, (1e9, 1e9))
+
+    def made(words):
+        log.write_text("")
+        done = made_by(root, "-j1", "BLENDER=./blender", *shlex.split(words), *(word for name in there for word in ("-o", name)))
+        return done, log.read_text().splitlines()
+    for words, wanted in COMPARED.items():
+        done, asked = made(words)
+        assert asked == [wanted] and done.returncode == 0, (words, done.stderr)
+    done, asked = made("bench-frames")
+    assert done.returncode == 2 and asked == [] and "make bench-frames: BEFORE=COMMIT is missing: what to compare with" in done.stderr
+    (root / "bad").touch()
+    done, asked = made("demo")
+    assert done.returncode == 2 and done.stdout.splitlines()[1:16] == [f"{k}" for k in range(6, 21)] and len(asked) == 1 and not (root / "build/demo/suzanne.blend").exists()
+    (root / "bad").unlink()
+    scene = "blender -b --factory-startup --addons libshade --python-exit-code 1 -P examples/blender/suzanne/make_scene.py -- build/demo/suzanne.blend by build/blender"
+    judge = "compare/consistency.py --all --output build/demo build/demo/suzanne.blend"
+    done, asked = made("demo")
+    assert asked == [scene, judge] and done.stdout == "Building the scene build/demo/suzanne.blend\na table\n" and done.returncode == 0
+    done, asked = made("demo")
+    assert asked == [] and done.stdout == "a table\n"
+    os.utime(root / "compare/page.py", (2e9, 2e9))
+    (root / "bad").touch()
+    for _ in range(2):  # it is asked again until it is good
+        done, asked = made("demo")
+        assert asked == [judge] and done.returncode == 2 and done.stdout == "a table\n"
 
 
 def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
