@@ -41,6 +41,23 @@ def test_a_changed_example_is_an_error():
         povray_common.common("metals", said.replace("pigment { rgb 0.18 }", "pigment { rgb 0.2 }"))
 
 
+def test_plain_finishes_keep_what_they_reflect():
+    """What is matt in POV-Ray's words reflects pigment times diffuse; a matt block says it at once. The ground keeps the part that lies before the camera."""
+    seen = 0
+    for name, (_left, edits) in povray_common.EDITS.items():
+        for old, new in edits:
+            found = re.search(r"pigment { rgb <?([^{}>]*)>? }\s+finish { ambient 0 diffuse ([\d.]+) }", old)
+            if found:
+                seen += 1
+                reflected = re.search(r"diffuse lambert rgb <?([\d., ]*)", new)[1].split(",")
+                assert [float(x) for x in reflected] == pytest.approx([float(x) * float(found[2]) for x in found[1].split(",")], abs=0.003), name
+            clipped = re.search(r"box { <(-?\d+), -1, (-?\d+)>, <(\d+), 1, (\d+)> }", new)
+            if clipped:
+                left, near, right, far = map(int, clipped.groups())
+                assert left == -right and right in (40, 60) and near in (-12, -8, -7) and far in (8, 40), name
+    assert seen == 3
+
+
 def test_blocks_go_whole():
     text = "a { b { c } } sky { p { q { r } } } skyline { } sky{ x }"
     assert povray_common.without(text, r"\bsky") == ("a { b { c } }  skyline { } ", 2)

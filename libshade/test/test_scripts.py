@@ -549,9 +549,9 @@ def test_environments_of_python(house, tmp_path):
     names = ("", "-peers", "-release", "-lint", "-manual", *(f"-bpy-{version}" for version in ("4.2", "5.0", "5.2")))
     log = tmp_path / "log"
     root = house("setup.mk", files={**{f"setup/requirements{name}.txt": "" for name in names}, **{f"setup/packages-{name}.txt": "" for name in ("demo", "test", "peers", "lint", "release")},
-                                    "Makefile": "B := build\nall:\n\t@echo all\ninclude setup/setup.mk\ndebian:\n\t@:\n", "setup/apt.sh": f'#!/bin/sh\necho "apt $*" >>{log}\n',
+                                    "Makefile": "B := build\nall:\n\t@echo all\ninclude setup/setup.mk\nsoak-it: debian13\nfetched:\n\t@echo fetched\n", "setup/debian13.sh": f'#!/bin/sh\necho "debian13 $*" >>{log}\n', "setup/apt.sh": f'#!/bin/sh\necho "apt $*" >>{log}\n',
                                     "setup/release-sources.sh": f'#!/bin/sh\nmkdir -p $1; echo "sources $1" >>{log}\n', "version": "3.11",
-                                    "python": f'#!/bin/sh\n[ "$1" != -c ] || exec cat version\necho "venv $3" >>{log}; mkdir -p $3/bin; printf \'#!/bin/sh\\necho "pip $*" >>{log}\\n\' >$3/bin/pip\nchmod 755 $3/bin/pip\n'})
+                                    "python": f'#!/bin/sh\n[ "$1" != -c ] || exec /usr/bin/python3 -c "import sys; sys.version_info = ($(tr . , <version), 9); $2"\necho "venv $3" >>{log}; mkdir -p $3/bin; printf \'#!/bin/sh\\necho "pip $*" >>{log}\\n\' >$3/bin/pip\nchmod 755 $3/bin/pip\n'})
 
     def made(*goals):
         log.write_text("")
@@ -580,6 +580,12 @@ def test_environments_of_python(house, tmp_path):
             assert log_of == sorted([*apt("test"), *of("-bpy", f"-bpy-{pins}")])
         else:
             assert done.returncode == 2 and "PyPI has no bpy for Python 3.12" in done.stderr and log_of == []
+    for version, goal, asked in (("3.11", "debian13", ["debian13", "5.2"]), ("3.13", "debian13", None), ("3.13", "soak-it", ["debian13", "5.3"]), ("3.11", "soak-it", ["debian13", "5.2", "5.3"])):
+        (root / "version").write_text(version)  # of other versions than are here
+        assert made(goal)[1] == ([asked] if asked else []), (version, goal)
+    for needs, said in (("fetched", ""), ("none-such", "setup: what make release-addon needs can't be had: tests of its zip are skipped\n")):
+        done, _log_of = made("release-fetched", f"RELEASE_NEEDS={needs}")
+        assert done.returncode == 0 and done.stdout == ("" if said else "fetched\n") and done.stderr.endswith(said) and bool(said) == bool(done.stderr), done.stderr
     (root / "version").write_text("3.11")
     shutil.rmtree(root / "build")
     done, log_of = made("lint")  # a goal's needs are there before it begins
