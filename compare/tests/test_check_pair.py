@@ -6,7 +6,9 @@ import json
 import re
 import subprocess
 import sys
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 import synthetic
 import test_judges as parts
@@ -146,6 +148,41 @@ def test_the_worst_pixel(tmp_path):
 
     said = judged(pair(tmp_path, second=move, povray=False))[2]
     assert [row["worst"] for row in said["rows"] if row["what"].startswith("P equal")] == ["(17, 11)"]
+
+
+def test_how_two_are_shaded_and_shown(tmp_path, monkeypatch):
+    """The pixel whose light is most off, also of light that is dark in one; side by side both, and ten times what they differ by."""
+    a, b = map(dumps.read, pair(tmp_path, povray=False))
+    b.lights[0]["S"][9, 14] += 0.125
+    rows, good = check.shaded_rows(a, b)
+    both = a.covered & b.covered
+    off = 0.125 / both.sum() / b.lights[0]["S"][both].mean(axis=0)
+    assert [row[0] for row in rows] == [f"light{k}.S, mean difference over mean" for k in (0, 1)] and rows[0][4] == "(14, 9)" and rows[1][1:] == ["0.000 %", "2 %", "ok", ""]
+    assert 0 < float(rows[0][1].split()[0]) <= 100 * off.max() + 1e-3 and good == (float(rows[0][1].split()[0]) <= 2)
+    for dump in (a, b):
+        dump.lights[1]["S"][:] = 0
+    assert check.shaded_rows(a, b)[0][1][1:4] == ["dark in both", "", "noted"]
+    shown = []
+    monkeypatch.setattr(check.pictures, "write_png", lambda path, picture: shown.append((path, picture)))
+    check.write_picture("x.png", a, b)
+    (path, strip), = shown
+    ours, theirs = a.lights[0]["S"], b.lights[0]["S"]
+    bright = np.percentile(ours[a.covered], 99)
+    assert path == "x.png" and strip == pytest.approx(np.concatenate([ours, theirs, 10 * np.abs(theirs - ours)], 1) / bright)
+
+
+@pytest.mark.parametrize("said, status, wanted", [
+    ("b.exr: no dump", 1, "^b.exr: no dump$"), ("out of memory", 1, "^b.exr: out of memory$"), ("", 9, "^b.exr: `shade check` left with status 9$")])
+def test_what_shade_check_says_instead(monkeypatch, said, status, wanted):
+    monkeypatch.setattr(check.subprocess, "run", lambda *_words, **_more: SimpleNamespace(stdout="", stderr=said + "\n", returncode=status))
+    with pytest.raises(report.StepFailed, match=wanted):
+        check.against_reference("b.exr", "Blender", False)
+
+    def none(*_words, **_more):
+        raise FileNotFoundError(2, "No such file or directory")
+    monkeypatch.setattr(check.subprocess, "run", none)
+    with pytest.raises(report.StepFailed, match="shade: No such file or directory: run make, or name another `shade` by SHADE in the environment"):
+        check.against_reference("b.exr", "Blender", False)
 
 
 def test_material_that_nothing_shows_fails_with_all(tmp_path):
