@@ -677,31 +677,55 @@ def test_what_make_compares(house, tmp_path):
 
 
 def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
-    root = house("chroot-demo.sh", files={"build/.keep": ""})
-    stand_ins = {**APT, "id": 'cat "$HOME/user"', "debootstrap": 'mkdir -p "$3/etc/apt/apt.conf.d"', "apt-config": 'echo "Acquire::http::Proxy \\"p\\";"; echo "Dir \\"/\\";"',
-                 "git": 'for w; do :; done; mkdir -p "$w"', "du": "echo 9G", "unshare": 'case "$*" in *"make -C"*) exit 7 ;; esac'}
+    root = house("chroot-demo.sh", files={"build/.keep": "", "host/resolv.conf": "nameserver here\n", "host/ssl/ca.crt": "a certificate\n", "host/ca/one.crt": "another\n", "host/pip.conf": "[global]\n"})
+    apt = {"apt-get": '[ -f "$HOME/no-lists" ] || printf "http://x/security trixie-security main\\nhttp://x/more trixie contrib\\nhttp://y sid main\\nhttp://mirror/debian trixie main\\n"'}
+    stand_ins = {**apt, "id": 'cat "$HOME/user"', "debootstrap": 'mkdir -p "$3/etc/apt/apt.conf.d"; seq 25; echo wrong >&2; [ ! -f "$HOME/no-net" ]',
+                 "apt-config": 'echo "Acquire::http::Proxy \\"p\\";"; echo "Acquire::Check-Valid-Until \\"0\\";"; echo "Dir \\"/\\";"', "git": 'for w; do :; done; mkdir -p "$w"', "du": "echo 9G",
+                 "unshare": '[ "$1 $2 $3" = "--mount --pid --fork" ] && shift 3 && exec "$@"', "mount": '! grep -qx "$3" "$HOME/unmounted" 2>/dev/null',
+                 "chroot": 'case "$*" in *"make -C"*) exit 7 ;; *"install --yes"*) seq 30; [ ! -f "$HOME/no-make" ] ;; esac'}
     script = root / "setup/chroot-demo.sh"
+    text = script.read_text()
+    for there, here in (("/etc/resolv.conf ", "resolv.conf "), ("/etc/ssl/certs/ca-certificates.crt", "ssl/ca.crt"), ("/usr/local/share/ca-certificates", "ca"), ("/etc/pip.conf ", "pip.conf ")):
+        text = text.replace(f" {there}", f" {root}/host/{here}")
+    script.write_text(text)
 
-    def made(*words, user="0", without=(), **more):
+    def made(*words, user="0", without=(), there=(), **more):
         (tmp_path / "user").write_text(user)
-        environment = programs(stand_ins, "sort", "cut", without=without)
-        return run(script, *words, env={**environment, **more}), (tmp_path / "log").read_text()
+        for name in ("no-net", "no-make", "no-lists", "unmounted"):
+            (tmp_path / name).unlink(missing_ok=True)
+        for name in there:
+            (tmp_path / name.partition(":")[0]).write_text(name.partition(":")[2] + "\n")
+        environment = programs(stand_ins, "sort", "cut", "seq", without=without)
+        done = run(script, *words, env={**environment, **more})
+        return done, (tmp_path / "log").read_text()
     assert [made(*words)[0].returncode for words in ((), ("sid",), ("--help",), ("-h",))] == [2, 2, 0, 0]
     assert "setup/chroot-demo.sh bookworm " in made("-h")[0].stdout
     done = made("trixie", user="1000")[0]
-    assert done.returncode == 1 and "needs root" in done.stderr
+    assert done.returncode == 1 and done.stderr == f"{script}: needs root (chroot, mount)\n"
     done = made("trixie", without=["debootstrap"])[0]
-    assert done.returncode == 1 and "apt-get install debootstrap" in done.stderr
+    assert done.returncode == 1 and done.stderr == f"{script}: needs debootstrap: apt-get install debootstrap\n"
     done, log = made("bookworm", PIP_CERT="/c.pem")
     assert done.returncode == 7 and re.search(r"chroot: make demo ended with 7 after \d+ s; 9G on disk", done.stdout), done.stderr
     chroot = root / "build/chroot-bookworm"
-    assert f"debootstrap --variant=minbase bookworm {chroot} http://mirror/debian" in log and f"git clone --quiet --no-hardlinks . {chroot}/clone" in log
+    assert f"debootstrap --variant=minbase bookworm {chroot} http://mirror/debian\n" in log and f"git clone --quiet --no-hardlinks . {chroot}/clone" in log
     assert re.search(r"HOME=/root PATH=\S+ LANG=C\.UTF-8 TERM=dumb PIP_CERT=/c\.pem make -C /clone demo$", log, re.M) and not chroot.exists()
+    inside = [line.partition(f"chroot {chroot} env -i ")[2] for line in log.splitlines() if line.startswith("chroot ")]
+    assert inside[0].endswith("sh -c apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --yes --no-install-recommends make") and len(inside) == 2
+    assert log.splitlines().count(f"mount -t proc proc {chroot}/proc") == log.splitlines().count(f"mount -t tmpfs shm {chroot}/dev/shm") == 2
+    assert done.stdout.splitlines()[:3] == ["chroot: debootstrap of Debian's bookworm (minbase)", "chroot: installing make", "chroot: make demo"]
+    for place in ("proc", "shm"):
+        assert "\nchroot " not in made("bookworm", there=[f"unmounted:{place}"])[1]
+    for there, last in (("no-net:", [*map(str, range(7, 26)), "wrong"]), ("no-make:", list(map(str, range(11, 31))))):
+        done, log = made("bookworm", there=[there])
+        assert done.returncode == 1 and done.stderr.splitlines() == last and not chroot.exists() and "make -C" not in log
     done, log = made("trixie", "blender", "povray", KEEP="1")
     chroot = root / "build/chroot-trixie"
     assert re.search(r"make -C /clone blender povray$", log, re.M) and "chroot: make blender povray ended with 7" in done.stdout
     assert (chroot / "etc/apt/sources.list").read_text() == "deb http://mirror/debian trixie main\ndeb http://x/security trixie-security main\n"
-    assert (chroot / "etc/apt/apt.conf.d/90host").read_text() == 'Acquire::http::Proxy "p";\n'
+    assert (chroot / "etc/apt/apt.conf.d/90host").read_text() == 'Acquire::http::Proxy "p";\nAcquire::Check-Valid-Until "0";\n'
+    assert (chroot / "etc/resolv.conf").read_text() == "nameserver here\n" and (chroot / "etc/pip.conf").read_text() == "[global]\n"
+    assert [(chroot / f"{root}/host/{name}".lstrip("/")).exists() for name in ("ssl/ca.crt", "ca/one.crt")] == [True, True]
+    assert f" bookworm {root}/build/chroot-bookworm http://deb.debian.org/debian\n" in made("bookworm", there=["no-lists:"])[1]
 
 
 POVRAY = """#!/bin/sh
