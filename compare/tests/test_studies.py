@@ -448,6 +448,8 @@ def test_total_variation():
     for mdf in (NAME, "beckmann", "ggx"):  # a broad lobe, as the quadrature has it
         made = study_speed.displaced(mdf, np.array([0.0, 0, 1]), h, 10, 4)
         assert weight @ (made * (1 if mdf == NAME else h[:, 2])) == pytest.approx(1, abs=1e-3)
+    found = study_speed.variation("ashikhmin_shirley", ["perturb", "gram_schmidt"], 30, 6, 140, 200, 10)  # docs/theory/papers.md
+    assert [np.mean(found[word]) for word in ("perturb", "gram_schmidt")] == pytest.approx([0.513, 0.116], abs=2e-3)
     rows = {row["method"]: row for row in study_speed.errors("ggx", 20, 8, 60)(None, None)}
     assert set(rows) == set(METHODS)
     assert rows["rotate"]["error_most"] < 1e-9 and .01 < rows["gram_schmidt"]["error"] < rows["perturb"]["error"] < rows["none"]["error"] < 1.01

@@ -431,7 +431,7 @@ def test_a_debian_13_for_another_python(house, programs, tmp_path):
         done = run(root / "setup/debian13.sh", *versions, env={**environment, "LIBSHADE_CACHE": str(tmp_path / "cache"), **(env or {})})
         return done, (tmp_path / "log").read_text().splitlines()
     done, log = made()
-    assert done.returncode == 2 and "setup/debian13.sh 5.2 [5.3]" in done.stderr and not log
+    assert done.returncode == 2 and "setup/debian13.sh 5.2 [5.3]" in done.stderr and done.stderr.startswith("A Debian 13 to change root into") and len(done.stderr.splitlines()) == 6 and not log
     done, _log = made("5.2", without=["apt-get"])
     assert done.returncode == 0 and "setup: no Debian 13 for bpy 5.2, tests in it are skipped: no apt here" in done.stderr
     (tmp_path / "machine").write_text("aarch64\n")
@@ -451,7 +451,11 @@ def test_a_debian_13_for_another_python(house, programs, tmp_path):
     environment = cache / "opt/bpy-5.2"
     assert (environment / "lib/python3.13/site-packages/bpy").exists() and os.readlink(environment / "bin/python") == "/usr/bin/python3.13"
     pip, = (line for line in log if line.startswith("pip"))
-    assert "--no-deps" in pip and "--python-version 3.13" in pip and pip.endswith(f"-r {root}/setup/requirements-bpy-5.2.txt")
+    platforms = [f"--platform {name}" for name in ("manylinux_2_28_x86_64", "manylinux_2_27_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64", "any")]
+    assert pip == " ".join(["pip -m pip --disable-pip-version-check install --quiet --no-deps --no-compile --ignore-requires-python --retries 3 --only-binary :all: --implementation cp",
+                            "--python-version 3.13 --abi cp313 --abi abi3 --abi none", *platforms, "--target lib/python3.13/site-packages -r", f"{root}/setup/requirements-bpy-5.2.txt"])
+    assert (environment / "pyvenv.cfg").read_text() == "home = /usr/bin\n" and os.readlink(cache / "etc/mtab") == "/proc/self/mounts"
+    assert done.stdout.splitlines() == [f"setup: Debian 13 into {cache}", f"setup: bpy 5.2 into {cache}"]
     assert made("5.2")[1] == ["uname -m"]
     (root / "setup/requirements-bpy-5.2.txt").write_text("bpy==5.2.1\n")
     assert [line.split()[0] for line in made("5.2")[1]] == ["uname", "pip"]
