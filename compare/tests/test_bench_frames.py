@@ -167,9 +167,9 @@ def test_what_is_there_is_not_made_again(tmp_path, monkeypatch):
     assert (tmp_path / "plate.json").exists()
 
 
-def test_what_a_scene_hands_over_is_taken(tmp_path, monkeypatch):
+def test_what_a_scene_hands_over_is_taken(tmp_path, monkeypatch, capsys):
     """In the place of the renderer: the frame, not pictures of another size on the way; a scene that renders without our engine is said."""
-    rendered, frame = [], Of(resolution_x=40, resolution_y=30, resolution_percentage=50, engine="CYCLES")
+    opened, rendered, frame = [], [], Of(resolution_x=40, resolution_y=30, resolution_percentage=50, engine="CYCLES")
     scene = Of(render=frame, libshade=Of(samples=1, max_bounces=2))
     native = Of(start=lambda given, *before: rendered.append((given["width"], before)) or "a job")
     handlers = Of(persistent=lambda function: function, render_init=[])
@@ -179,8 +179,8 @@ def test_what_a_scene_hands_over_is_taken(tmp_path, monkeypatch):
             handler(scene)
         native.start({"width": 8, "height": 8}, "before")
         native.start({"width": 20, "height": 15, "data": np.arange(3), "of": [1, None]})
-    bpy = Of(app=Of(handlers=handlers), context=Of(scene=scene), ops=Of(wm=Of(read_factory_settings=lambda: None, open_mainfile=lambda filepath: None),
-                                                                     preferences=Of(addon_enable=lambda module: None), render=Of(render=render)))
+    bpy = Of(app=Of(handlers=handlers), context=Of(scene=scene), ops=Of(wm=Of(read_factory_settings=lambda: opened.append("factory"), open_mainfile=lambda filepath: opened.append(filepath)),
+                                                                     preferences=Of(addon_enable=lambda module: opened.append(module)), render=Of(render=render)))
     monkeypatch.setitem(sys.modules, "bpy", bpy)
     monkeypatch.setitem(sys.modules, "libshade._native", native)
     monkeypatch.setattr(sys, "argv", ["blender"])
@@ -194,6 +194,18 @@ def test_what_a_scene_hands_over_is_taken(tmp_path, monkeypatch):
     assert frame.engine == "LIBSHADE" and frame.resolution_percentage == 50 and vars(scene.libshade) == {"samples": 9, "max_bounces": 5}
     given = pickle.loads((tmp_path / "frame").read_bytes())
     assert given["width"] == 20 and given["of"] == [1, None] and np.array_equal(given["data"], np.arange(3))
+    assert opened == ["factory", "libshade", "a.blend"]
+    (tmp_path / "make.py").write_text("import sys\nimport bpy\nassert sys.argv[1:] == ['--', 'near']\nbpy.context.scene.libshade.samples = 77\nbpy.ops.render.render()\n")
+    handlers.render_init.clear()
+    with pytest.raises(script["Taken"]):  # a script that renders by itself
+        script["take"]({**order, "script": str(tmp_path / "make.py"), "arguments": ["near"], "output": str(tmp_path / "other")})
+    assert opened[3:] == ["factory", "libshade"] and scene.libshade.samples == 9 and (tmp_path / "other").exists()
+    taken = []
+    script["take"] = lambda one: taken.append(one)
+    (tmp_path / "order.json").write_text("[1, 2, 3]")
+    script["main"](tmp_path / "order.json")
+    assert taken == [1, 2, 3] and capsys.readouterr().out == "\n33 %\n\n66 %\n\n100 %\n"
+    exec(compile(path.read_text(encoding="utf-8").split("\nmain(")[0], str(path), "exec"), script)
     handlers.render_init.clear()
     bpy.ops.render.render = lambda: None
     with pytest.raises(RuntimeError, match="a.blend: rendered without our engine"):
@@ -253,6 +265,7 @@ def test_a_build_of_a_commit_is_made_once(tmp_path, monkeypatch):
     for _ in range(2):
         assert bench.before("v1") == bench.Side(root, root / "frames")
     assert steps == [(f"Building v1 in before/{commit} (minutes)", ["make", "-j5", commit], root / "built.log", bench.NOT_FROM_MAKE, root)]
+    assert bench.NOT_FROM_MAKE == {"MAKEFLAGS": "", "MFLAGS": "", "MAKEOVERRIDES": "", "MAKELEVEL": ""}
     assert (root / "build/povray/download/povray.tar.gz").exists() and (root / "built").exists() and (root / "Makefile").exists()
     with pytest.raises(bench.Failed, match=f"none: no commit of {tmp_path}"):
         bench.before("none")
@@ -364,7 +377,7 @@ def test_what_is_told_at_the_end(tmp_path, monkeypatch, capsys, ratios, wrong, s
 def test_builds_take_turns_at_frames(tmp_path, monkeypatch, capsys):
     """Of one scene in one process: as many frames as take half a second, one build first, then the other."""
     import bench_frames_turns as turns
-    done, clock = [], [0.0]
+    done, clock, waited = [], [0.0], []
 
     def module(folder):
         def start(scene):
@@ -378,21 +391,23 @@ def test_builds_take_turns_at_frames(tmp_path, monkeypatch, capsys):
             return job
 
         def image(_job, pixels):
+            assert pixels.shape == (2 * 3 * 4,) and pixels.dtype == np.float32
             pixels.reshape(-1, 4)[:] = [{"a": 1, "b": 1.5}[folder]] * 3 + [9]
-        return Of(start=start, look=look, wait=lambda *_job: None, poll=lambda _job: {"state": "done", "message": ""}, image=image)
+        return Of(start=start, look=look, wait=lambda *_job: waited.append(done[-1]), poll=lambda _job: {"state": "done", "message": ""}, image=image)
     monkeypatch.setattr(turns.importlib.util, "spec_from_file_location", lambda _name, path: Of(path=path, loader=Of(exec_module=lambda _module: None)))
     monkeypatch.setattr(turns.importlib.util, "module_from_spec", lambda spec: module(spec.path.split("/")[0]))
     monkeypatch.setattr(turns.time, "process_time", lambda: clock[0])
-    scene = {"width": 4, "height": 4, "region": (1, 0, 3, 4), "samples": 16, "camera": "c", "more": 1}
+    scene = {"width": 4, "height": 4, "region": (1, 1, 3, 4), "samples": 16, "camera": "c", "more": 1}
     (tmp_path / "s").write_bytes(pickle.dumps(scene))
     for first, other in (("A", "B"), ("B", "A")):
         done.clear()
-        monkeypatch.setattr(sys, "argv", ["turns", "a", str(tmp_path / "s"), "b", str(tmp_path / "s"), "--first", first])
+        waited.clear()
+        monkeypatch.setattr(sys, "argv", ["turns", "a", str(tmp_path / "s"), "b", str(tmp_path / "s"), *(["--first", first] if first == "B" else [])])
         turns.main()
         found = turns.json.loads(capsys.readouterr().out)
         assert found["seconds"] == [pytest.approx([.1] * 4), pytest.approx([.08] * 4)] and found["differences"] == [.5, .5]
         f, o = first.lower(), other.lower()
-        assert done == [("start", f), ("start", o), *(("look", side) for side in (f, o, f, o, o, f, f, o, o, f))]
+        assert done == [("start", f), ("start", o), *(("look", side) for side in (f, o, f, o, o, f, f, o, o, f))] and waited == done
     monkeypatch.setattr(turns.importlib.util, "module_from_spec", lambda spec: Of(start=lambda _scene: 1, wait=lambda *_job: None,
                                                                                  poll=lambda _job: {"state": "failed", "message": "no memory"}))
     with pytest.raises(SystemExit, match="failed: no memory"):

@@ -413,7 +413,7 @@ def test_what_cycles_has_in_each_version(tmp_path, monkeypatch):
 
 # ---- other systems
 
-APT = {"apt-get": 'case "$*" in *indextargets*) printf "http://x/security trixie-security main\\nhttp://mirror/debian trixie main\\n" ;; *" download "*) touch a.deb b.deb ;; esac\n'
+APT = {"apt-get": 'case "$*" in "indextargets --format "\\$"(SITE) "\\$"(RELEASE) "\\$"(COMPONENT) Created-By: Packages") printf "http://x/security trixie-security main\\nhttp://mirror/debian trixie main\\n" ;; *" download "*) touch a.deb b.deb ;; esac\n'
                   '[ ! -f "$HOME/no-net" ] || case "$*" in *download*) echo "no route"; exit 1 ;; esac',
        "dpkg-deb": 'mkdir -p "$3/usr/lib"; touch "$3/usr/lib/$(basename "$2")"', "id": "echo someone", "uname": 'cat "$HOME/machine"'}
 
@@ -482,11 +482,30 @@ def test_sources_of_a_release(house, programs, tmp_path):
     assert log.count("dpkg-deb --extract libembree-dev_4.deb embree") == 1
 
 
+@pytest.mark.parametrize("script, said", [("windows-sources.sh", "the sources of OpenEXR, libpng, zlib and cmocka"), ("release-sources.sh", "OpenEXR's source and Embree 4's headers"),
+                                          ("arm64-libraries.sh", "Embree, OpenEXR and libpng for arm64")])
+def test_what_is_fetched_from_debians_archive(house, programs, tmp_path, script, said):
+    """Into the folder that is named; it says which, and a source that cannot be had ends it."""
+    root, environment = house(script, "own_apt.sh"), programs(APT, "basename")
+    for words in ((), ("a", "b")):
+        done = run(root / "setup" / script, *words, env=environment)
+        assert done.returncode == 2 and done.stdout == "" and done.stderr.startswith("What `make ") and done.stderr.endswith(f"  setup/{script} FOLDER\n") and len(done.stderr.splitlines()) == 3
+    target = tmp_path / "sources"
+    for broken in ("source", "download", "update"):
+        fails = {**APT, "apt-get": f'case "$*" in *" {broken}"*) exit 3 ;; esac; ' + APT["apt-get"].replace("a.deb b.deb", "libembree-dev_4.deb")}
+        done = run(root / "setup" / script, target, env=programs(fails, "basename"))
+        asked = re.search(rf" {broken}\b", (tmp_path / "log").read_text())
+        assert (done.returncode != 0) == bool(asked) and done.stdout == f"setup: {said} into {target}\n", (broken, done.stderr)
+        assert asked or not any((target / name).exists() for name in ("lists", "archives", "sources.list"))
+
+
 def test_sources_of_windows(house, programs, tmp_path):
-    root, environment = house("windows-sources.sh", "own_apt.sh"), programs(APT, "basename")
-    assert run(root / "setup/windows-sources.sh", env=environment).returncode == 2
+    root, environment = house("windows-sources.sh", "own_apt.sh"), programs({**APT, "apt-get": APT["apt-get"] + '\n[ ! -f sources.list ] || cp sources.list "$HOME/kept"'}, "basename")
+    (tmp_path / "sources").mkdir()
+    (tmp_path / "sources/old").touch()
     done = run(root / "setup/windows-sources.sh", tmp_path / "sources", env=environment)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0 and not list((tmp_path / "sources").iterdir()), done.stderr
+    assert (tmp_path / "kept").read_text() == "deb-src http://mirror/debian bookworm main\n"
     assert re.search(r"source --only-source openexr libpng1.6 zlib cmocka", (tmp_path / "log").read_text())
 
 
