@@ -11,7 +11,7 @@ import pytest
 import bench_frames as bench
 import programs
 
-COST = 2.5
+COST = 2.6
 
 SCENES = [bench.Scene(name, programs.ROOT / "x.py") for name in ("pan", "pan-near", "dial")]
 

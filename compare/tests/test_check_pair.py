@@ -19,7 +19,7 @@ import pictures
 import programs
 import report
 
-COST = 2.2
+COST = 2.4
 
 
 def pair(folder, first=None, second=None, after=None, povray=True):

@@ -7,7 +7,7 @@ import synthetic
 import consistency
 import dumps
 
-COST = 0.74
+COST = 0.78
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ import report_page
 import study
 import style
 
-COST = 1.3
+COST = 1.7
 
 
 def section(**parts):
@@ -232,7 +232,7 @@ def test_what_the_report_is_asked(capsys):
     assert list(options.studies) == "speed precision horizons diffuse lobes cloth frames atlas truth consistency peers".split()
     assert list(report_page.arguments(["--only", "truth", "--only", "speed", "--engine", "slurm", "--results"]).studies) == ["speed", "truth"]
     for words, said in ((["--quick", "--results"], "--results: the quick report is too rough for docs/results/"), (["--only", "none"], "--only none: no such study; there are speed, precision"),
-                        (["--engine", "pbs"], "invalid choice: 'pbs'"), (["--output", __file__], f"--output {__file__}: no folder")):
+                        (["--engine", "pbs"], "invalid choice: 'pbs'"), (["--fast"], "unrecognized arguments: --fast"), (["--output", __file__], f"--output {__file__}: no folder")):
         with pytest.raises(SystemExit) as end:
             report_page.arguments(words)
         assert end.value.code == 2 and said in capsys.readouterr().err

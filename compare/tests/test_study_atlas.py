@@ -21,7 +21,7 @@ import study_atlas
 from atlas_forms import FORMS, dot
 from atlas_measures import direction
 
-COST = 11
+COST = 11.4
 TOGETHER = "report"
 
 H, SOLID = atlas_measures.hemisphere(160, 320)

@@ -675,7 +675,7 @@ def test_an_item_from_begin_to_end(job, monkeypatch, capsys, tmp_path):
     def render(one_job, one, work, log):
         seen.append((files.read_json(made.path("running", "0")), os.environ["LIBSHADE_ISA"], os.environ["A_WORD"], one["frame"], os.stat(work).st_mode & 0o777))
         for name in ("a.png", "left"):
-            pathlib.Path(work, name).touch()
+            pathlib.Path(work, name).write_text("x")
         if fails:
             raise fails[0]
         return ["a.png"]
@@ -696,10 +696,10 @@ def test_an_item_from_begin_to_end(job, monkeypatch, capsys, tmp_path):
         assert {**files.read_json(made.path("failed", "1.json")), "time": 0} == {"host": "here", "message": text, "log": made.log(1), "time": 0} and not os.listdir(made.path("work"))
     fails.clear()
     assert item.run(made, 1) == 0 and os.listdir(made.path("frames")) == ["a.png"] and made.missing() == []
-    pathlib.Path(made.path("results/0/a.png")).write_text("other")  # a disk has damaged it
+    pathlib.Path(made.path("results/0/a.png")).write_text("y")  # a disk has damaged it
     pathlib.Path(made.path("frames/a.png")).unlink()
     capsys.readouterr()
-    assert item.run(made, 0) == 0 and os.stat(made.path("results/0/a.png")).st_size == 0 and capsys.readouterr().out == "" and os.listdir(made.path("frames")) == ["a.png"]
+    assert item.run(made, 0) == 0 and pathlib.Path(made.path("results/0/a.png")).read_text() == "x" and capsys.readouterr().out == "" and os.listdir(made.path("frames")) == ["a.png"]
     (tmp_path / "a.pov").write_text("x")
     pathlib.Path(made.path("results/0/a.png")).unlink()
     rendered = len(seen)
