@@ -218,6 +218,7 @@ def test_progress_shows_a_program_s_percentage(tmp_path, capsys, monkeypatch):
     shown = capsys.readouterr().err
     assert "\rDrawing … 25 %" in shown and shown.endswith("s   \n")
     progress = report.Progress("Drawing")
+    assert capsys.readouterr().err == "\rDrawing …         "  # from the start
     progress.read("Rendered 3 (25 %)\rRendered 6 (50 %)")  # as two reach it at once
     progress.read("and goes on")
     assert progress.seen == "50 %"

@@ -219,6 +219,27 @@ def test_a_line_for_each_renderer(rows, monkeypatch):
     study.style.pyplot.close("all")
 
 
+def test_what_is_drawn_of_each_surface(rows, monkeypatch):
+    """A chart for each light that it was seen under, then its pictures; of one that was not seen nothing."""
+    monkeypatch.setattr(study, "chart", lambda _rows, shape, light: f"{shape} {light}")
+    monkeypatch.setattr(study.sheet, "panels", lambda tiles: f"pictures of {[tile['figure'] for tile in tiles]}")
+    tiles = [{"kind": "tile", "figure": f"{shape}-{light}"} for shape, light in study.SCENES]
+    pictures = lambda shape, light: (f"pictures-{shape}-{light}", f"pictures of ['{shape}-{light}']")
+    both = [made for shape in ("plate", "sphere") for made in ((f"frames-{shape}", f"{shape} sun\n{shape} sky"), pictures(shape, "sun"), pictures(shape, "sky"))]
+    assert [(figure.id, figure.svg) for figure in study.figures(rows + tiles)] == both
+    assert [figure.title for figure in study.figures(rows + tiles)] == ["Seconds against error, the plate", "The plate under a sun", "The plate under a studio's sky",
+                                                                       "Seconds against error, the sphere", "The sphere under a sun", "The sphere under a studio's sky"]
+    one = [row for row in rows if (row["shape"], row["light"]) == ("sphere", "sky")]
+    assert [(figure.id, figure.svg) for figure in study.figures(one + tiles)] == [("frames-sphere", "sphere sky"), pictures("sphere", "sky")]
+
+
+def test_times_are_compared_at_the_most_samples(rows):
+    """Turn by turn: each against ours of that turn."""
+    few = [{**row, "seconds": 99.0} if row["engine"] == "cycles" and row["samples"] < max(study.SAMPLES[row["light"]]) else row for row in rows]
+    slow = [{**row, "seconds": row["seconds"] * (1 + row["run"])} for row in few]  # a machine that gets slower
+    assert study.ratio(few, "plate", "sun", "cycles") == study.ratio(slow[::-1], "plate", "sun", "cycles") == pytest.approx(5)
+
+
 def test_the_plate_is_rendered_in_blender(monkeypatch, tmp_path):
     """In the system's, or by another's Python; what it says of the time, by job."""
     jobs_of = study.plate_jobs
