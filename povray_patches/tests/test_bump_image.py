@@ -238,10 +238,10 @@ def test_exr_without_colours_is_an_error(render, tmp_path):
     assert result.status == 1 and "no full-size channel R" in result.message
 
 
-@pytest.mark.parametrize("strength", [0, .25, 1, 2.5])
+@pytest.mark.parametrize("strength", [-1, 0, .25, 1, 2.5])
 def test_strength(render, colours, strength):
     dump = render(TOP + textured(quad(), more=f"strength {strength}"), (96, 72)).dump
-    check(dump, from_blender(mapped(colours, dump.uv, strength)))
+    check(dump, from_blender(mapped(colours, dump.uv, max(strength, 0))))
 
 
 def test_black_and_not_a_number_are_flat(render, shade_check, tmp_path):
@@ -490,6 +490,17 @@ def test_curved_mirrors_spread_rays(render, tmp_path, mirror, limit):
     truth = mean("filter off", 24 * 16, 16)
     error = [np.abs(mean(words, 24, 1) - truth)[1:-1, 1:-1].mean() for words in ("filter off", "")]
     assert error[0] > .1 * truth.mean() and error[1] < limit * error[0]
+
+
+def test_a_block_that_begins_with_another_has_its_own_roughness(render, fine):
+    """Of bumps half as strong a quarter, also where the one that it began with was shown before."""
+    def added(words):
+        dump = render(PLATE + "#declare F = finish { ambient 0 diffuse 0 mdf { beckmann .1, .1 bump_image { png \"fine.png\" } } }\n" + words
+                      + plate("bump_image { png \"fine.png\" strength .5 }").replace("finish { ambient 0", "finish { F ambient 0").replace("bump_image { png \"fine.png\" } }", "}"), size=(8, 8)).dump
+        return dump.channels["alpha.X"][dump.hit].mean() ** 2 - .01
+    whole = render(PLATE + plate("beckmann .1, .1"), size=(8, 8)).dump.channels["alpha.X"].mean() ** 2 - .01
+    assert added("") == pytest.approx(whole / 4, rel=.05)
+    assert added("sphere { 99*y, 1 texture { finish { F } } }\n") == pytest.approx(whole / 4, rel=.05)
 
 
 def test_scale_and_translate_move_the_map(render, fine):

@@ -374,6 +374,12 @@ def test_metal_takes_the_pigments_colour(render, shade_check, fresnel, rest):
     assert results[0].dump.S == pytest.approx(results[1].dump.S, rel=1e-4, abs=1e-6)
 
 
+def test_a_pigment_beyond_1_is_taken_as_1(render):
+    ball = "sphere {{ 0, 1 pigment {{ rgb {} }} finish {{ ambient 0 diffuse 0 mdf {{ ggx .3, .1 specular pigment diffuse lambert pigment }} }} }}"
+    beyond, within = (render(scene(ball.format(colour)), (16, 12), dump=False).image for colour in ("<3, -1, .5>", "<1, 0, .5>"))
+    assert np.array_equal(beyond, within) and within[..., 0].max() > .1
+
+
 @pytest.mark.parametrize("fresnel", ["none", "schlick", "f82 rgb <.9, .7, .8>"])
 @pytest.mark.parametrize("rest", ["reflection { samples 16 }", "", "diffuse lambert rgb .2", "reflection off bump_image { png \"fine.png\" }"])
 def test_the_pigments_colour_reflects_and_glows(render, tmp_path, fresnel, rest):
@@ -622,6 +628,13 @@ def test_the_tile_leaves_a_layers_lengths(render):
     def normals(words):
         return render(scene(sheet() + f"texture {{ finish {{ mdf {{ scratches {{ mm_per_unit 25 {words} }} }} }} }} }}", SUN, FRONT), size=(60, 60)).dump.Ns
     np.testing.assert_allclose(normals("tile_mm 12 " + layer), normals("tile_mm 40 " + layer + " tile_mm 12"), atol=1e-6)
+    plain = layer.replace("radius .01, .03", "")  # and those that it has if it says none
+    np.testing.assert_allclose(normals("tile_mm 12 " + plain), normals(plain + " tile_mm 12"), atol=1e-6)
+    # the first layer takes the place of a preset's, the second does not; another seed lays them elsewhere
+    given = normals(f"tile_mm 12 seed 3 {layer}")
+    np.testing.assert_allclose(normals(f'preset "scratched_gold" tile_mm 12 seed 3 {layer}'), given, atol=1e-6)
+    assert np.abs(normals(f"tile_mm 12 seed 3 {layer} {layer.replace('direction 30', 'direction 90')}") - given).max() > .05
+    assert np.abs(normals(f"tile_mm 12 seed 4 {layer}") - given).max() > .01
 
 
 @pytest.mark.parametrize("block, message", [

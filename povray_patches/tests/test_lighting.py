@@ -45,11 +45,38 @@ def test_no_diffuse_from_behind_because_of_the_block(render):
 def test_fill_light_gives_no_highlight(render):
     result = render(scene(sphere(), SUN.replace("parallel", "shadowless parallel")))
     assert result.image.max() == 0 and result.dump.S.max() == 0
+    area = render(scene(sphere(), SUN.replace("parallel point_at 0", "shadowless area_light 9*x, 9*y, 2, 2 area_illumination")), (16, 12), dump=False)
+    assert area.image.max() == 0
 
 
 def test_light_from_behind_gives_nothing_even_to_double_illuminate(render):
     result = render(scene(sphere(more="double_illuminate"), "light_source { <-10, -20, 50>, rgb 1 }\n"))
     assert result.dump.hit.any() and result.image.max() == 0
+
+
+def test_low_quality_leaves_reflections_out(render):
+    """As POV-Ray's own: from +Q8 on."""
+    ball = "background { rgb 1 } " + sphere("reflection { samples 2 }")
+    seen = [render(scene(ball, ""), (8, 6), [f"+Q{q}"], dump=False).image[3, 4].max() for q in (7, 8)]
+    assert seen[0] == 0 and seen[1] > .1
+
+
+def test_irid_tints_a_reflection_as_it_does_a_mirrors(render):
+    ball = "background { rgb 1 } sphere { 0, 1 pigment { rgb 0 } finish { ambient 0 diffuse 0 irid { .5 thickness .7 } %s } }"
+    mirror, block = (render(scene(ball % words, ""), (16, 12), dump=False).image for words in
+                     ("reflection .5", "mdf { ggx 1e-3, 1e-3 brdf microfacet specular .5 reflection { samples 1 } }"))
+    there = np.s_[4:8, 7:9]
+    assert np.ptp(mirror[there], axis=-1).min() > .05 and block[there] == pytest.approx(mirror[there], abs=.01)
+
+
+def test_light_below_the_surface_comes_once(render):
+    """A lamp's diffuse part is what subsurface scatters, whether it is lit by points of the lamp or not."""
+    head = HEADER.replace("assumed_gamma 1", "assumed_gamma 1 mm_per_unit 20 subsurface { samples 8, 2 }")
+    ball = "sphere { 0, 1 pigment { rgb .8 } finish { ambient 0 diffuse .6 subsurface { translucency 9 } %s } interior { ior 1.4 } }"
+    for lamp in ("", "area_light x, y, 2, 2 area_illumination"):
+        lit = [render(scene(ball % words, f"light_source {{ <40, 60, -50>, rgb 1 {lamp} }}", head), (8, 6), dump=False).image.mean()
+               for words in ("", "mdf { specular 0 diffuse lambert .6 }")]
+        assert lit[0] > 1e-3 and lit[1] == pytest.approx(lit[0], rel=.1), lamp
 
 
 def test_light_from_behind_casts_no_shadow_rays(render):

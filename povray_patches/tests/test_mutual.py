@@ -136,13 +136,14 @@ def test_words_notes_and_warnings(render):
     normal = "normal { bumps .5 scale .2 }"
     text = (ball.format(-3, normal, block("slopes .1, -.2, .3, .05, .4 notes on")) + ball.format(0, normal, block("notes on"))
             + ball.format(3, "", block("slopes 0, 0, 4e6, 1e9, .25")) + ball.format(6, "", block())
-            + ball.format(9, "", block("slopes 0, 0, .1, 0, .1 horizon hard")))
+            + ball.format(9, "", block("slopes 0, 0, .1, 0, .1 horizon hard")) + ball.format(-6, normal, block()))
     result = render(scene(text, header=ABOVE, lights=""), (8, 6))
-    first, second, third, fourth, _ = result.dump.header["materials"]
+    first, second, third, fourth, *_ = result.dump.header["materials"]
     assert first["slopes"] == [.1, -.2, .3, .05, .4]
     assert third["slopes"] == pytest.approx([0, 0, 1e6, 500, .25])
     assert "slopes" not in fourth
     told = re.findall(r"slopes ([\d., e-]+) \(deviations ([\d.]+) along the strokes, ([\d.]+) across\)", " ".join(result.message.split()))
+    assert len(told) == 2  # those with notes
     assert told[0] == ("0.1, -0.2, 0.3, 0.05, 0.4", "0.55", "0.63")
     x, y, xx, xy, yy = (float(v) for v in told[1][0].split(","))
     assert [xx, yy] == pytest.approx([second["slopes"][2], second["slopes"][4]], rel=.005) and xx > .001

@@ -217,6 +217,9 @@ sphere { y, .5 pigment { rgb 1 } }
     ("fabric { warp diffuse rgb 1 }", "mdf: expected '{' after 'warp', but found 'diffuse'."), ("scratches { layer pits 3 }", "mdf: expected '{' after 'layer', but found 'pits'."), ("tangent radial 0 * y", "mdf: tangent <0, 0, 0> has no direction."),
     ("tangent radial y at <0, 1e300 * 1e300, 0>", "mdf: tangent radial's point is not finite."),
     ("at <0, 1, 0>", f"Expected '{WORDS}', undeclared identifier 'at' found instead"),
+    ("bump_image { png \"broken.png\" scale <1, 0> }", "mdf: bump_image scale is <1, 0>; it needs finite numbers that are not 0."),
+    ("bump_image { png \"broken.png\" translate <0, 1e300 * 1e300> }", "mdf: bump_image translate is <0, inf>; it needs finite numbers."),
+    ("specular rgb <0, 0, 1e39>", "mdf: specular is not a finite number."),
     ("bump_image { }", "mdf: bump_image needs a file: png \"file\" or exr \"file\"."),
     ("bump_image { jpeg \"a.jpg\" }", "Expected 'png, exr, strength, scale, translate, filter, once or }', jpeg found instead; a picture of another format is to be converted first."),
     ("bump_image { png \"missing.png\" }", "mdf: cannot open the bump_image file 'missing.png'."),
@@ -247,6 +250,7 @@ def test_errors_name_line_and_expectation(render, tmp_path, block, message):
     ("fabric { warp { crossings 3 } }", "'crossings' belongs in fabric { }."), ("fabric { tangent x }", "'tangent' belongs in mdf { } itself."),
     ("preset \"brushed_steel\" mm_per_unit 300", "'mm_per_unit' belongs in fabric { } or scratches { }."), ("fabric { warp { seed 3 } }", "'seed' belongs in fabric { }."),
     ("crosings 3", "did you mean 'crossings', which belongs in fabric { }?"), ("detail crossings", "'crossings' belongs in fabric { }."),
+    ("ashik 3, 4", "did you mean 'ashikhmin_shirley'?"), ("gxg .1, .2", "did you mean 'ggx'?"), ("at y", "'at' follows tangent radial <axis>."),
     ("stretgh 3", "did you mean 'stretch', which belongs in layer { } of scratches { }?"),  # nearer than the strength of bump_image { }
     ("scratches { pits 3 }", "'pits' belongs in layer { } of scratches { }."), ("schlick", "'schlick' follows fresnel."), ("ior 1.5", "follows fresnel conductor.")])
 def test_an_error_tells_where_a_word_belongs(render, block, hint):
@@ -573,7 +577,7 @@ def test_notes_tell_each_block_what_it_says(render):
     """Of cloths, strokes and rays: as the scene has them, or what a number was cut to."""
     blocks = ["fabric { weave \"plain\" crossings <30, 20> yarns { width .8 } weft { gap .2 } warp { diffuse rgb <.1, .2, .3> } weft { diffuse pigment } }",
               "fabric { ends_per_cm 7 picks_per_cm 3 mm_per_unit 50 yarns { gap .2 } warp { diffuse pigment } weft { diffuse rgb .4 } }",
-              "ggx .1, .3 tangent <0, 1, 0> specular pigment multiscatter on", "ward .2, .2 tangent radial <0, 0, 1> at <1, 2, 3>",
+              "ggx .1, .3 tangent <0, 1, 0> specular pigment multiscatter on", "ward .1, .1 tangent <3e200, 0, 4e200>", "ward .2, .2 tangent radial <0, 0, 1> at <1, 2, 3>",
               *(f"ggx .2, .2 reflection {{ samples {n} }}" for n in (1, 4090, 4096, 4097, .5))]
     text = "".join(f"sphere {{ {9 * k}*y, 1 texture {{ pigment {{ rgb .5 }} finish {{ ambient 0 diffuse 0 mdf {{ {block} notes on }} }} }} }}\n"
                    for k, block in enumerate(blocks, 1))
@@ -584,6 +588,7 @@ def test_notes_tell_each_block_what_it_says(render):
             ("weave plain, 30 x 20 crossings on a unit", "warp: diffuse rgb <0.1, 0.2, 0.3>; weft: diffuse pigment"),
             ("35 x 15 crossings on a unit", "warp: diffuse pigment; weft: diffuse rgb 0.4 rays pass between its yarns"),
             ("lobe: ggx 0.1, 0.3", "valid_estevez, multiscatter on", "specular pigment", "strokes: along <0, 1, 0> of the texture's space"),
+            ("lobe: ward 0.1, 0.1", "strokes: along <0.6, 0, 0.8>"),
             ("lobe: ward 0.2, 0.2", "strokes: round <0, 0, 1> at <1, 2, 3> of the texture's space"),
             *((f"reflection: {n} rays at a hit",) for n in (1, 4090, 4096, 4096, 1)))):
         assert all(word in part for word in words), (words, part)
@@ -612,6 +617,8 @@ TAKEN_OVER = [
     ('fabric { preset "denim" yarns { diffuse pigment } }', "fabric { weft { diffuse rgb .5 transmit rgb .1 } }",
      "warp: diffuse pigment; weft: diffuse rgb 0.5 light from behind shines through", "lobe:"),
     ("reflection { samples 7 clamp .3 }", "", "7 rays at a hit, none brighter than 0.3", "lambert"),
+    ("reflection { samples 7 }", "reflection off reflection on", "7 rays at a hit", "brighter"),
+    ('fabric { preset "denim" yarns { diffuse pigment } }', 'fabric { preset "denim" }', "warp: diffuse rgb", "pigment"),
     ("reflection { samples 7 clamp 3 }", "reflection { samples 9 }", "9 rays at a hit; ", "brighter"),
     ("tangent radial y at <1, 2, 3>", "", "round <0, 1, 0> at <1, 2, 3>", "along"),
     ("tangent radial y at <1, 2, 3>", "tangent radial z", "round <0, 0, 1> at <0, 0, 0>", "along"),
@@ -629,6 +636,124 @@ def test_what_a_finish_takes_over(render, tmp_path):
     assert len(told) == len(TAKEN_OVER)
     for said, (first, then, wanted, unwanted) in zip(told, TAKEN_OVER):
         assert wanted in said and unwanted not in said.split("the finish adds")[0], (first, then, said)
+
+
+# A finish, its block, and what notes tell and do not; a person's
+NOTES = [
+    ("ambient .1 diffuse .2 reflection { 0, .3 }", "ggx .1, .3", "diffuse 0.2, reflection rgb 0.3", "samples"),
+    ("ambient .1 diffuse 0", "ggx .1, .3", "ambient rgb 0.1 gives the pigment's colour, and the block's albedo", "alone"),
+    ("ambient rgb <.1, .2, .3> diffuse 0", "ggx .1, .3 reflection { }", "ambient rgb <0.1, 0.2, 0.3> gives the pigment's colour alone", "albedo"),
+    ("ambient 0 diffuse 0", 'fabric { draft "two.wif" mm_per_unit 20 }', "a draft of 2 ends and 3 picks in its own colours, 20 x 10 crossings", "adds"),
+    ("ambient 0 diffuse 0", 'fabric { ends_per_cm 50 draft "two.wif" mm_per_unit 20 draft_colors off }', "2 ends and 3 picks, 20 x 10 crossings", "colours"),
+    ("ambient 0 diffuse 0", 'fabric { draft "two.wif" weave "satin_5" }', "weave satin_5, ", "draft"),
+    ("ambient 0 diffuse 0", "fabric { yarns { slub .3 } }", "rays pass between its yarns", "shines"),
+    ("ambient 0 diffuse 0", "fabric { yarns { gap .3 } backing rgb <0, .1, 0> }", "weave plain", "rays pass"),
+    ("ambient 0 diffuse 0", "fabric { weft { transmit rgb <0, 0, .1> } }", "light from behind shines through its yarns", "rays"),
+    ("ambient 0 diffuse 0", 'bump_image { png "flat.png" } horizon mutual slopes 0, 0, .1, 0, .1', "an image of 4 x 2, strength 1, unfiltered", "roughness"),
+]
+
+
+def test_notes_of_each_kind(render, tmp_path):
+    from test_bump_image import write_png
+    from test_cloth import WIF
+    write_png(tmp_path / "flat.png", np.full((2, 4, 3), (128, 128, 255)), "uint8")
+    (tmp_path / "two.wif").write_text(WIF.replace("[WEFT]\nThreads=2", "[WEFT]\nThreads=3").replace("[TREADLING]\n", "[TREADLING]\n3=1\n"))
+    balls = "".join(f"sphere {{ {9 * k}*y, 1 texture {{ finish {{ {finish} mdf {{ {block} notes on }} }} }} }}\n" for k, (finish, block, _, _) in enumerate(NOTES, 1))
+    told = render(scene(balls), (8, 6), dump=False).message.split("mdf block at ")[1:]
+    assert len(told) == len(NOTES)
+    for said, (finish, block, wanted, unwanted) in zip(told, NOTES):
+        assert wanted in said and unwanted not in said.split("Parse Warning")[0], (finish, block, said)
+
+
+# Objects, a line each, and the warnings that name it; a person's
+BLOB = "blob {{ threshold .5 sphere {{ 0, 1, 1 }} texture {{ finish {{ mdf {{ {} }} }} }} }}"
+BALL = "sphere {{ 0, 1 texture {{ finish {{ mdf {{ {} }} }} }} }}"
+NAMED = [
+    (BALL.format("ggx .3, .3 brdf microfacet multiscatter on"), ()),
+    (BALL.format("beckmann .3, .3 brdf microfacet multiscatter on"), ()),
+    (BALL.format("ward .3, .3 multiscatter on"), ("'multiscatter on'",)),
+    (BALL.format('multiscatter on fabric { preset "denim" }'), ("'multiscatter'",)),
+    (BALL.format('specular .5 preset "brushed_gold" fabric { preset "denim" }'), ("'specular'",)),
+    (BALL.format('preset "brushed_gold" horizon mutual slopes 0, 0, .1, 0, .1'), ()),
+    (BALL.format('horizon mutual slopes 0, 0, .1, 0, .1 preset "denim"'), ("'horizon' and 'slopes'",)),
+    (BLOB.format("scratches { } tangent radial y"), ()),
+    (BLOB.format("scratches { }"), ("'scratches'",)),
+    (BLOB.format('preset "denim"'), ("'fabric'",)),
+    (BLOB.format("ggx .1, .2"), ()),
+]
+
+
+def test_warnings_name_the_block_that_they_are_of(render):
+    begin = scene("").count("\n") + 1
+    log = render(scene("\n".join(line for line, _ in NAMED), header=HEADER.replace("#version", "#declare mdf_Defaults = 1; #version")), (8, 6), dump=False).message
+    found = {}
+    for words, line in re.findall(r"mdf: ('.*?') \(scene\.pov:(\d+)\)", log):
+        found.setdefault(int(line), []).append(words)
+    assert {begin + k: list(words) for k, (_, words) in enumerate(NAMED) if words} == found, log
+
+
+def test_warnings_that_name_no_block_come_once(render, monkeypatch):
+    """Of a mesh that stands there twice, of an instruction set that is not there, of defaults; not of what has none of it."""
+    collapsed = """#declare M = mesh2 { vertex_vectors { 4, <-1,0,-1>, <1,0,-1>, <1,0,1>, <-1,0,1> } uv_vectors { 4, <0,0>, <1,0>, <1,1>, <.5,.5> }
+      face_indices { 2, <0,1,2>, <0,2,3> } uv_indices { 2, <0,1,2>, <0,2,3> } finish { mdf { } } } object { M } object { M translate y }\n"""
+    monkeypatch.setenv("LIBSHADE_ISA", "abacus")
+    log = render(scene(collapsed + saddle(2, uv=False, extra="finish { mdf { } } }") + BALL.format('ggx .1, .2 fabric { preset "denim" brdf auto }')), (8, 6), dump=False).message
+    assert log.count("LIBSHADE_ISA 'abacus'") == log.count("have no UV area around them") == 1 and "1 of the 6 corners" in log, log  # the one of the triangle without area alone
+    assert "mdf_Defaults" not in log, log
+    said = render(scene(BALL.format("scratches { layer { radius 40, 1 } }")), (8, 6), dump=False).message
+    assert "mdf: radius is 40; it is taken as 10." in said, said  # half of a tile of 20 mm
+
+
+# What a block says, where a dump's header has it, and what stands there; a person's
+TOLD = [
+    ('fabric { weave "plain" seed 7 }', "fabric yarns seed", 7),
+    ("fabric { seed 7 occlusion none }", "fabric yarns occlusion", "none"),
+    ("fabric { occlusion sky }", "fabric yarns occlusion", "sky"),
+    ("fabric { weft { diffuse lambert rgb .25 } }", "fabric cloth weft diffuse", "lambert"),
+    ("fabric { weft { diffuse lambert rgb .25 } }", "fabric cloth warp diffuse", "fibre"),
+    ("fabric { yarns { diffuse lambert rgb .25 } }", "fabric cloth warp diffuse", "lambert"),
+    ("fabric { detail perturb horizon chiang }", "fabric cloth detail", "perturb"),
+    ("fabric { detail perturb horizon chiang }", "fabric cloth horizon", "chiang"),
+    ("fabric { beckmann }", "fabric cloth mdf", "beckmann"),
+    ('brdf ward_dur preset "brushed_steel"', "brdf", "ashikhmin_shirley"),  # that of a scene of before
+    ('preset "brushed_steel" brdf ward_dur', "brdf", "ward_dur"),
+    ('fabric { draft "two.wif" preset "denim" }', "fabric weave", "twill_3_1"),
+    ('fabric { draft "two.wif" preset "denim" }', "fabric cloth draft_colors", False),
+    ('fabric { draft "two.wif" }', "fabric cloth draft_colors", True),
+]
+
+
+def test_what_is_said_reaches_the_header(render, tmp_path):
+    from test_cloth import WIF
+    (tmp_path / "two.wif").write_text(WIF)
+    made = render(scene("".join(f"#declare F = finish {{ mdf {{ {block} }} }}\n" for block, _, _ in TOLD)), (8, 6)).dump.header["materials"]
+    assert len(made) == len(TOLD)
+    for found, (block, place, wanted) in zip(made, TOLD):
+        for word in place.split():
+            found = found[word]
+        assert found == wanted, (block, place, found)
+
+
+def test_cloths_and_metals_of_the_include_files(render):
+    """Cloths are the presets of their names, a unit of theirs 20 cm; brushed metals have a person's numbers."""
+    cloths = ["Silk_Charmeuse", "Silk_Shantung", "Denim", "Gabardine", "Linen", "Wool_Flannel", "Polyester_Lining", "Shot_Taffeta", "Herringbone_Tweed"]
+    colours = {"Steel": (.56, .55, .53), "Aluminum": (.91, .92, .92), "Gold": (1, .78, .34), "Copper": (.95, .64, .54), "Brass": (.89, .75, .43)}
+    widths = {"Steel_Brushed": (200, 10), "Aluminum_Brushed": (120, 8), "Gold_Brushed": (250, 20), "Copper_Brushed": (200, 15), "Brass_Brushed": (300, 25),
+              "Steel_Blasted": (25, 25), "Aluminum_Blasted": (20, 20)}
+    ball = "sphere {{ {0}*y, 1 texture {{ {1} finish {{ {2} mdf {{ notes on }} }} }} }}\n"
+    text = '#include "mdf_fabrics.inc"\n#include "libshade_metals.inc"\n#declare mdf_Defaults = 1;\n'
+    text += "".join(ball.format(9 * k, f"MDF_T_{name}", "") + ball.format(200 + 9 * k, "", f'mdf {{ preset "{name.lower()}" }}') for k, name in enumerate(cloths, 1))
+    result = render(scene(text + "".join(ball.format(400 + 9 * k, f"LS_{name}", "") for k, name in enumerate(widths))), (8, 6))
+    shown = {int(number): m for m in result.dump.header["materials"] for number in re.findall(r"^scene\.pov:(\d+)", m["name"])}
+    numbers = sorted(shown)
+    told = re.findall(r"[\d.]+ x [\d.]+ crossings", result.message)
+    assert len(numbers) == len(told) + len(widths) == 2 * len(cloths) + len(widths)
+    for k, name in enumerate(cloths):
+        of_file, of_preset = (shown[numbers[2 * k + i]] for i in (0, 1))
+        assert of_file["fabric"] == of_preset["fabric"] and told[2 * k] == told[2 * k + 1], name
+    for name, number in zip(widths, numbers[2 * len(cloths):]):
+        assert (shown[number]["ex"], shown[number]["ey"]) == widths[name], name
+        assert shown[number]["f0"] == pytest.approx([.4 * c for c in colours[name.split("_")[0]]], abs=1e-6), name
 
 
 def test_a_presets_layers_are_no_longer_ones_own(render):

@@ -173,6 +173,8 @@ def test_clamp_holds_what_a_ray_brings(render):
     bright = "background { rgb 50 }"
     held = mean(render(scene("reflection { samples 64 clamp 2 }", bright), (32, 24), dump=False))
     assert held == CLOSE(2 * albedo() * COLOUR, rel=0.01)
+    blue = mean(render(scene("reflection { samples 64 clamp 2 }", "background { rgb <1, .5, 50> }"), (32, 24), dump=False))  # its hue stays
+    assert blue == CLOSE(2 * albedo() * COLOUR * [1 / 50, .5 / 50, 1], rel=0.01)
 
 
 @pytest.mark.parametrize("finish, share", [("ambient .3 diffuse 0", 0.3), ("ambient 0 diffuse 0", 0.0)])

@@ -118,6 +118,8 @@ def test_texture_turns_uv_tangents_in_the_uv_plane(render, turned_by, scale):
         p = np.where(dump.hit[..., None], dump.P, 1) @ matrix  # back in the sphere's space
         du, dv = sphere_directions(p)
         check(dump, (np.cos(a) * du + np.sin(a) * dv) @ matrix.T, 2e-5, known=np.abs(p[..., 1]) < .95)
+    anew = render(scene(f"#declare T = {own} sphere {{ 0, 1 texture {{ T finish {{ mdf {{ tangent uv }} }} }} }}")).dump  # which counts from there
+    check(anew, sphere_directions(np.where(anew.hit[..., None], anew.P, 1))[0], 2e-5, known=np.abs(anew.P[..., 1]) < .95)
 
 
 def test_each_part_of_a_union_has_its_own_uv_grain(render):
