@@ -326,6 +326,45 @@ static void json(void **state) {
   assert_int_equal(shade_params_json(&p, 3, "a \"b\"\\\n", NULL, 0), length);
 }
 
+/* Of a map: given, and taken; a person's. */
+static void slopes(void **state) {
+  (void)state;
+  const struct {
+    double given[5], taken[5];
+    unsigned status;
+  } cases[] = {
+      {{.1, -.2, .25, -.1, .16}, {.1, -.2, .25, -.1, .16}, SHADE_OK},
+      {{0, 0, .25, -5, .16}, {0, 0, .25, -.2, .16}, SHADE_CLAMPED_PARAMETER},
+      {{0, 0, .25, 5, .16}, {0, 0, .25, .2, .16}, SHADE_CLAMPED_PARAMETER},
+      {{-2e3, 2e3, 2e6, 0, -1}, {-1e3, 1e3, 1e6, 0, 0}, SHADE_CLAMPED_PARAMETER},
+      {{NAN, NAN, .25, NAN, .16}, {0, 0, .25, 0, .16}, SHADE_CLAMPED_PARAMETER},
+      {{0, 0, NAN, .1, .16}, {0, 0, 0, 0, .16}, SHADE_CLAMPED_PARAMETER},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    shade_params p;
+    double got[5];
+    char text[1024], wanted[64];
+    shade_params_init(&p);
+    assert_int_equal(shade_params_set_slopes(&p, cases[i].given), cases[i].status);
+    assert_int_equal(shade_params_get_slopes(&p, got), SHADE_OK);
+    for (int c = 0; c < 5; c++)
+      assert_near(got[c], cases[i].taken[c], 1e-15);
+    shade_params_json(&p, 0, "", text, sizeof text);
+    snprintf(wanted, sizeof wanted, ", %.17g]}", got[4]);
+    assert_true(strstr(text, "\"slopes\": [") && strstr(text, wanted));
+  }
+  shade_params p;
+  const double of_ridges[5] = {0, 0, 0, 0, .5}, none[5] = {.5, 0, 0, 0, 0};
+  char text[1024];
+  shade_params_init(&p);
+  shade_params_set_slopes(&p, of_ridges); /* ridges lie along x alone */
+  shade_params_json(&p, 0, "", text, sizeof text);
+  assert_non_null(strstr(text, ", \"slopes\": [0, 0, 0, 0, 0.5]}"));
+  shade_params_set_slopes(&p, none);
+  shade_params_json(&p, 0, "", text, sizeof text);
+  assert_null(strstr(text, "slopes"));
+}
+
 /* Other programs' roughness .5 and anisotropy .4, by their formulas worked out by hand. */
 static void roughness(void **state) {
   (void)state;
@@ -493,13 +532,21 @@ static void json_stays_finite(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(names),        cmocka_unit_test(exponents_and_alphas),
-      cmocka_unit_test(setup_clamps), cmocka_unit_test(every_parameter_clamps),
-      cmocka_unit_test(json),         cmocka_unit_test(older_caller),
-      cmocka_unit_test(defaults),     cmocka_unit_test(json_stays_finite),
-      cmocka_unit_test(roughness),    cmocka_unit_test(roughness_back),
-      cmocka_unit_test(metal_table),  cmocka_unit_test(by_row),
-      cmocka_unit_test(readers),      cmocka_unit_test(by_row_out_of_reach),
+      cmocka_unit_test(names),
+      cmocka_unit_test(exponents_and_alphas),
+      cmocka_unit_test(setup_clamps),
+      cmocka_unit_test(every_parameter_clamps),
+      cmocka_unit_test(json),
+      cmocka_unit_test(older_caller),
+      cmocka_unit_test(defaults),
+      cmocka_unit_test(json_stays_finite),
+      cmocka_unit_test(slopes),
+      cmocka_unit_test(roughness),
+      cmocka_unit_test(roughness_back),
+      cmocka_unit_test(metal_table),
+      cmocka_unit_test(by_row),
+      cmocka_unit_test(readers),
+      cmocka_unit_test(by_row_out_of_reach),
   };
   return cmocka_run_group_tests_name("params", tests, NULL, NULL);
 }

@@ -123,7 +123,8 @@ def test_directx_turns_green(tmp_path):
 
 
 def test_the_comment_makes_the_picture_again(tmp_path):
-    make("-o", tmp_path / "a.exr", "--size", "50x40", "--seed", "7", "--directx", *SCRATCHES)
+    make("-o", tmp_path / "a.exr", "--size", "50x40", "--seed", "7", "--directx", "--samples", "2", "--direction", "30", *SCRATCHES,
+         "--direction", "-50", "--spread", "5")
     command = pixels(tmp_path / "a.exr")[1].get_string_attribute("ImageDescription") or \
         pixels(tmp_path / "a.exr")[1].get_string_attribute("comments")
     assert command.startswith("shade scratch ")

@@ -193,6 +193,7 @@ def test_float_follows_double():
     for a, b in zip(double, single):
         assert a[:2] == b[:2]
         assert b[2:4] == pytest.approx(a[2:4], abs=2e-6)
+    assert look_up(points[:9], *options, "--precision", "float", "--precision", "double") == double[:9]  # what is said last
 
 
 @pytest.mark.parametrize("hand, angle", [("S", 20), ("S", 30), ("Z", 30), ("Z", 55)])
@@ -539,7 +540,7 @@ def test_the_longer_side_of_a_map_is_512(tmp_path, cells, size):
 
 def test_png_maps(tmp_path):
     exr = tmp_path / "map.exr"
-    options = ["--draft", WEAVES / "houndstooth.wif", "--occlusion", "sky", "--cells", "8"]
+    options = ["--draft", WEAVES / "houndstooth.wif", "--occlusion", "sky", "--cells", "8", "--vary-brightness", ".6"]
     assert run(*options, "-o", exr, "--size", "64").returncode == 0
     image = OpenImageIO.ImageBuf(str(exr))
     channel = dict(zip(image.spec().channelnames,
@@ -555,14 +556,14 @@ def test_png_maps(tmp_path):
         assert result.returncode == 0, result.stderr
         got = OpenImageIO.ImageBuf(str(png)).get_pixels(OpenImageIO.FLOAT)
         assert numpy.abs(got - want).max() < 1e-5, word
-        assert b"sRGB" not in png.read_bytes(), word
+        assert b"sRGB" not in png.read_bytes() and b"shade weave" in png.read_bytes(), word
     png = tmp_path / "color.png"
     assert run(*options, "-o", png, "--size", "64", "--map", "color").returncode == 0
     assert b"sRGB" in png.read_bytes()  # how a viewer is to read it
     got = OpenImageIO.ImageBuf(str(png)).get_pixels(OpenImageIO.FLOAT)
     linear = numpy.where(got <= 0.04045, got / 12.92, ((got + 0.055) / 1.055) ** 2.4)
-    want = numpy.stack([channel["color." + c] * channel["occlusion"] for c in "RGB"], axis=2)
-    assert numpy.abs(linear - want).max() < 0.006
+    want = numpy.stack([channel["color." + c] * channel["occlusion"] * channel["brightness"] for c in "RGB"], axis=2)
+    assert numpy.abs(linear - numpy.minimum(want, 1)).max() < 0.006 and numpy.ptp(channel["brightness"]) > 0.3
 
 
 def test_map_does_not_depend_on_the_threads(tmp_path):
