@@ -140,6 +140,14 @@ def test_any_size(tmp_path, size, shape):
         assert pixels(tmp_path / name)[0].shape[:2] == shape
 
 
+@pytest.mark.parametrize("size", ["100x200", "200x100", "200"])
+def test_pits_are_round_whatever_the_shape_of_the_picture(tmp_path, size):
+    """Their radius is in widths of the picture."""
+    make("--height", tmp_path / "h.exr", "--size", size, "--pits", 1, "--radius", ".1", "--stretch", "1")
+    width = int(size.split("x")[0])
+    assert (pixels(tmp_path / "h.exr")[0] < 0).sum() == pytest.approx(np.pi * (.1 * width)**2, rel=.05)
+
+
 def test_no_pits_make_a_flat_map(tmp_path):
     make("-o", tmp_path / "a.exr", "--height", tmp_path / "h.exr", "--size", 8, "--pits", 0)
     assert (pixels(tmp_path / "a.exr")[0] == [0.5, 0.5, 1]).all()

@@ -263,6 +263,11 @@ def test_info():
     assert all(int(count) > 1 for count in re.fullmatch(r"mixture: (\d+) lobes of warp, (\d+) of weft", mixture).groups())
     one, other = re.fullmatch(r"single lobe, exponents along and across: warp (\S+) \S+, weft (\S+) \S+", single).groups()
     assert float(one) > 1 and float(other) == pytest.approx(float(one), rel=0.3)
+    for satin in "silk_charmeuse", "polyester_lining":  # all but warp, of the longer fibres
+        numbers = [float(x) for x in re.findall(r"(?<![\w.])[\d.]+", good("fabric", satin, "--info"))]
+        warp, weft, lobes, of_weft, along, across, weft_along, weft_across = numbers
+        assert warp > 3 * weft and lobes > of_weft and along > weft_along > weft_across and along > across
+        assert len(set(numbers)) == 8
 
 
 @pytest.mark.parametrize("words, text, code, message", [

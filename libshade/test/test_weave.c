@@ -390,6 +390,9 @@ static void colors_and_lengths(void **state) {
   assert_near(c.sigma, .8, 1e-12);
   shade_weave_lookup(w, .5, 1.8, &c); /* beside it the end below */
   assert_true(c.top == SHADE_TOP_WARP && c.below && c.yarn == 0);
+  shade_weave_lookup(w, 1.5, .9, &c); /* the thick one no more than its own */
+  assert_true(c.top == SHADE_TOP_WEFT && c.yarn == 0);
+  assert_near(c.sigma, .8, 1e-12);
   shade_weave_free(w);
   /* the third end takes the mean of what is stated, .15: a repeat is .45 cm */
   double u, v;
@@ -414,6 +417,7 @@ static void colors_and_lengths(void **state) {
   /* as dense as its spacing says; without, square by the thicker yarns; else as the cloth, evenly
    */
   double per_cm[2] = {120, 45};
+  d->weft[0].spacing = 1e10; /* no length of a yarn's */
   assert_int_equal(shade_draft_sett(d, per_cm), SHADE_SETT_SPACING);
   assert_near(per_cm[0], 1 / .15, 1e-12);
   assert_near(per_cm[1], 1 / .15, 1e-12);
@@ -472,6 +476,26 @@ static void twist(void **state) {
                          SHADE_OK);
         assert_true(yarn->segments == 0 && yarn->slant == 0 && yarn->fibre == 0);
       }
+  /* a hand that there is not is none; what is out of range is the nearest, what is no number usual
+   */
+  const struct {
+    int hand;
+    double angle, strands, fibre, segments;
+    unsigned status;
+  } cases[] = {{'X', .6, 3, 0, 0, SHADE_BAD_CHOICE},
+               {'Z', NAN, 3, -.5, 3, SHADE_CLAMPED_PARAMETER},
+               {'S', .6, NAN, .6, 1, SHADE_CLAMPED_PARAMETER},
+               {'z', 0, 2000, -.01, 1000, SHADE_CLAMPED_PARAMETER},
+               {'S', 2, -1, PI / 2, 0, SHADE_CLAMPED_PARAMETER}};
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    shade_weave_params p;
+    shade_weave_params_init(&p);
+    assert_int_equal(shade_weave_params_set_twist(&p, SHADE_TOP_WEFT, cases[i].hand, cases[i].angle,
+                                                  cases[i].strands, 0),
+                     cases[i].status);
+    assert_near(p.weft.fibre, cases[i].fibre, 1e-15);
+    assert_true(p.weft.segments == cases[i].segments && fabs(p.weft.slant) <= 100);
+  }
 }
 
 int main(void) {

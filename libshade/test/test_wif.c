@@ -743,6 +743,14 @@ static void equal_drafts(void **state) {
   }
   b->warp_up[5] ^= 1;
   assert_false(shade_draft_equal(a, b));
+  static const unsigned char plain[] = {0, 1, 1, 0, 0, 1, 1, 0};
+  for (int picks = 1; picks < 4; picks += 2) { /* more of the same */
+    shade_draft *small = shade_draft_from_matrix(2, picks, plain),
+                *large = shade_draft_from_matrix(2, picks + 1, plain);
+    assert_false(shade_draft_equal(small, large) || shade_draft_equal(large, small));
+    shade_draft_free(small);
+    shade_draft_free(large);
+  }
   shade_draft_free(a);
   shade_draft_free(b);
 }

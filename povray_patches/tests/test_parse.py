@@ -646,6 +646,7 @@ NOTES = [
     ("ambient 0 diffuse 0", 'fabric { draft "two.wif" mm_per_unit 20 }', "a draft of 2 ends and 3 picks in its own colours, 20 x 10 crossings", "adds"),
     ("ambient 0 diffuse 0", 'fabric { ends_per_cm 50 draft "two.wif" mm_per_unit 20 draft_colors off }', "2 ends and 3 picks, 20 x 10 crossings", "colours"),
     ("ambient 0 diffuse 0", 'fabric { draft "two.wif" weave "satin_5" }', "weave satin_5, ", "draft"),
+    ("ambient 0 diffuse 0", 'fabric { draft "two.wif" preset "denim" }', "weave twill_3_1, ", "draft"),
     ("ambient 0 diffuse 0", "fabric { yarns { slub .3 } }", "rays pass between its yarns", "shines"),
     ("ambient 0 diffuse 0", "fabric { yarns { gap .3 } backing rgb <0, .1, 0> }", "weave plain", "rays pass"),
     ("ambient 0 diffuse 0", "fabric { weft { transmit rgb <0, 0, .1> } }", "light from behind shines through its yarns", "rays"),
