@@ -7,7 +7,7 @@ import pytest
 
 from scenes import HEADER, SUN, finish, scene
 
-COST = 4.1
+COST = 4.3
 
 SPHERE = "sphere {{ 0, 1 texture {{ pigment {{ rgb .5 }} {normal} {finish} }} {more} }}\n"
 
