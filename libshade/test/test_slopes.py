@@ -95,7 +95,9 @@ def test_the_lobe_widens_by_the_covariance(tmp_path):
     plain = look_up(picture, points=whole)[0]
     # tilted lobes are narrower than slopes that add, more so with microfacet, which goes with Beckmann (maps.h)
     for share, said in ((1, ()), (1, ("--defaults", 1)), (0.5, ("--defaults", 0))):
-        wide = look_up(picture, *said, "--mdf", "beckmann", "--ax", 0.1, "--ay", 0.3, points=whole)[0]
+        lobe = ("--mdf", "beckmann", "--ax", 0.1, "--ay", 0.3)
+        wide = look_up(picture, *said, *lobe, points=whole)[0]
+        assert (look_up(picture, *lobe, *said, points=whole)[0] == wide).all()
         assert (wide[:6] == plain).all()
         turn = np.radians(wide[8])
         r = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
@@ -179,6 +181,11 @@ def test_texels_that_are_no_normals_are_told(tmp_path):
     assert result.returncode == 0
     assert "no normal count as flat" in result.stderr and "point inwards" in result.stderr
     assert "nan" not in result.stdout and "inf" not in result.stdout
+    for (row, column), said, unsaid in (((3, 3), "no normal count", "inwards"), ((5, 5), "inwards", "no normal")):  # one of them
+        one = 0.5 + 0.5 * normals(8, 8)
+        one[row, column] = n[row, column]
+        message = run(write(tmp_path / "b.exr", one, "float"), text="0.5 0.5\n").stderr
+        assert said in message and unsaid not in message
 
 
 def test_bad_points_name_their_line(tmp_path):

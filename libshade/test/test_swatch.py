@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`shade presets`, `shade fabric`, `shade swatch`: names, numbers, pictures and bad requests."""
+import functools
 import json
 import math
 import os
@@ -60,6 +61,7 @@ def test_all_presets_are_there():
     assert [line.split()[0] for line in lines] == CLOTHS + METALS
     table = json.loads(good("presets", "--json"))
     assert [p["name"] for p in table] == CLOTHS + METALS
+    assert [line.split(maxsplit=1)[1] for line in lines] == [f"{p['label']}: {p['help']}" for p in table]
     bibliography = (ROOT / "REFERENCES.bib").read_text()
     for p in table:
         keys = re.findall(r"\[(\w+)\]", p["source"] + p["color_source"])
@@ -75,6 +77,11 @@ def test_all_presets_are_there():
 def rounded(x):
     """As %g prints it."""
     return pytest.approx(x, rel=5e-6, abs=0)
+
+
+@functools.cache
+def words_of_yarns():
+    return good("weave", "--help")
 
 
 @pytest.mark.parametrize("name", CLOTHS + METALS)
@@ -113,7 +120,8 @@ def test_one_preset(name):
     lines = (len(rest) - 2) // 2
     for k, yarn in enumerate(("warp", "weft")):
         heading, *rows = rest[1 + k * lines:1 + (k + 1) * lines]
-        assert heading.strip() == yarn
+        assert heading.strip() == yarn and rows[2].endswith(f" ({p[yarn]['diffuse']})")
+        assert all(f" {row.split(maxsplit=2)[2]} (" in words_of_yarns() for row in rows[3:])
         found = {row.split()[0]: numbers(row.split(maxsplit=1)[1]) for row in rows}
         assert found.pop("exponents") == [p[yarn]["along"], p[yarn]["across"]]
         for color in ("f0", "kd"):
@@ -283,6 +291,7 @@ def test_info():
     (["fabric", "denim"], "0 0 nan 0 0 1 0 0 1\n", 1, "not finite"),
     (["presets", "mithril"], "", 2, "no preset 'mithril'"),
     (["presets", "--yaml"], "", 2, "--yaml"),
+    (["presets", "denim", "linen"], "", 2, "unexpected 'linen'"),
     (["swatch"], "", 2, "expected a preset"),
     (["swatch", "denim"], "", 2, "-o FILE"),
     (["swatch", "denim", "--all", "-o", "x.png"], "", 2, "expected a preset, or --all"),
