@@ -537,6 +537,11 @@ def test_the_list_for_editors_is_what_the_parser_takes(povray, render):
         assert sorted(re.split(r", | or ", expected.removesuffix(" or }"))) == sorted(w for p, w in lines if p == place), place
     vim = (Path(povray).parent / "editor/pov.vim").read_text()
     assert {line.split()[-1] for line in vim.splitlines() if line.startswith("syn keyword")} == {w for _, w in lines}
+    assert all(line.startswith("syn keyword povMdf ") for line in vim.splitlines()[1:-1]) and vim.endswith("\nhi def link povMdf Statement\n") and vim.startswith('" ')
+    assert {("tangent", "at"), ("occlusion", "sky"), ("layer", "pits"), ("finish", "mdf"), ("detail", "rotate")} <= {tuple(line) for line in lines}
+    for form, status, stream in (([], 2, "usage: words text | vim"), (["html"], 2, "usage: "), (["vim"], 0, "")):
+        done = subprocess.run([Path(povray).parent / "editor/words", *form], text=True, capture_output=True)
+        assert done.returncode == status and done.stderr.startswith(stream) and bool(done.stdout) == (status == 0)
 
 
 def test_a_block_is_taken_off(render):

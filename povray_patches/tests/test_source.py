@@ -10,7 +10,7 @@ import pytest
 
 from conftest import ROOT
 
-COST = 43
+COST = 43.3
 ALONE = {"test_no_existing_scene_changes": 11}
 
 PATCHES = ROOT / "povray_patches"
@@ -35,6 +35,49 @@ def test_check_notices_a_difference(povray, unpatched, tmp_path):
     done = subprocess.run([PATCHES / "check.sh", povray, unpatched, tmp_path, "one"], text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120)
     assert done.returncode == 1 and "DIFFERS one/a.pov" in done.stdout, done.stdout
+
+
+STAND_IN = """#!/bin/sh
+for word; do case $word in +I*) in=${word#+I} ;; +O*) out=${word#+O} ;; esac; done
+{ echo "$0 and the date"; cat "$in"; } >"$out"
+case $in in
+  bad.pov) exit 4 ;;
+"""
+
+
+def test_what_check_says(tmp_path):
+    """Of scenes that are equal but for the head of their files, that differ, that fail, and of words that are wrong; by stand-ins for POV-Ray."""
+    for name in ("textures/same", "lights/differ", "objects/status", "objects/bad", "extra/other"):
+        path = tmp_path / f"scenes/{name}.pov"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(bytes(64 * 48 * 6))
+    (tmp_path / "scenes/none").mkdir()
+    for name, own in (("one", ""), ("two", '  differ.pov) printf x >>"$out" ;;\n  status.pov) exit 3 ;;\n')):
+        (tmp_path / name).write_text(STAND_IN + own + "esac\n")
+        (tmp_path / name).chmod(0o755)
+
+    def check(*words, status):
+        done = subprocess.run([PATCHES / "check.sh", *words], cwd=tmp_path, text=True, capture_output=True, timeout=60)
+        assert done.returncode == status, done
+        return done.stdout, done.stderr
+    programs = ["./one", tmp_path / "two", tmp_path]
+    said, wrong = check(*programs, status=1)  # the folders by default
+    assert said.splitlines()[:-1] == ["DIFFERS lights/differ.pov", "DIFFERS objects/status.pov (exit status 0, unpatched 3)",
+                                      "fails   objects/bad.pov (both, exit status 4)"] and not wrong
+    assert re.match(r"1 of 4 scenes pixel-identical, \d+ s$", said.splitlines()[-1])
+    assert check(*programs, "textures", "extra", status=0)[0].startswith("2 of 2 scenes")
+    assert check("./one", "./one", tmp_path, status=0)[0].splitlines()[0] == "fails   objects/bad.pov (both, exit status 4)"
+    assert check(*programs, "none", status=1)[0].startswith("0 of 0 scenes")
+    assert "usage: check.sh PATCHED" in check("--help", status=0)[0] and "usage: check.sh PATCHED" in check("./one", "./two", status=2)[1]
+    assert check("./three", "./two", tmp_path, status=2)[1] == "check.sh: ./three: no such program\n"
+    assert check(*programs, "nowhere", status=2)[1] == f"check.sh: {tmp_path}/scenes/nowhere: no such folder\n"
+
+
+def test_build_says_how_it_is_used():
+    for words, status in ((["--help"], 0), (["-h"], 0), ([], 2), (["out"], 2)):
+        done = subprocess.run([PATCHES / "build.sh", *words], text=True, capture_output=True, timeout=60)
+        said, other = (done.stdout, done.stderr) if status == 0 else (done.stderr, done.stdout)
+        assert done.returncode == status and said.startswith("usage: build.sh OUT LIBSHADE ARCHIVE") and not other, done
 
 
 @pytest.mark.parametrize("name", SERIES)
