@@ -111,8 +111,9 @@ def test_one_preset(name):
         assert rest[0].endswith("in circles" if p["turned"] else "straight")
         assert numbers(rest[1]) == [rounded(x) for x in m["eta"] + m["k"]]
         assert numbers(rest[2]) == [rounded(x) for x in [
-            s["pits"], p["scratch_cm"], *s["radius"], *s["stretch"], *s["depth"], s["direction"],
-            s["spread"]]]
+            s["pits"], p["scratch_cm"], *s["radius"], *s["stretch"], *s["depth"]]] + [
+                pytest.approx(math.degrees(s[word]), rel=5e-3) for word in ("direction", "spread")]
+        assert rest[2].endswith(" degrees")
         return
     weave = re.fullmatch(r"  weave (\w+), (\S+) ends and (\S+) picks per cm", rest[0])
     assert weave[1] == p["weave"]

@@ -621,6 +621,9 @@ def test_interrupted_map_leaves_nothing(tmp_path):
     (["--name", "plain", "-o", "m.exr", "--size", "4x"], "1 to 65536 pixels"),
     (["--name", "plain", "-o", "m.exr", "--map", "id"], "--map chooses what -o writes as .png"),
     (["--name", "plain", "--seed", "-1"], "0 to 4294967295"),
+    (["--name", "plain", "-o", "m.exr", "--bits", "16"], "--bits is for PNG; an EXR has --half"),
+    (["--name", "plain", "--print", "--bits", "8"], "--bits is for PNG; an EXR has --half"),
+    (["--name", "plain", "-o", "m.png", "--half"], "--half is for EXR; a PNG has --bits"),
 ])
 def test_bad_usage(options, message):
     result = run(*options)

@@ -7,6 +7,8 @@
 #include "tool/json.h"
 #include "tool/tool.h"
 
+#define DEGREES (180 / 3.14159265358979323846)
+
 static void usage(FILE *to) {
   fputs(
       "usage: shade presets [--json] [NAME]\n\n"
@@ -121,9 +123,10 @@ static void show(shade_preset *p) {
   for (int k = 0; k < p->scratches.layers; k++) {
     const shade_scratch_layer *l = &p->scratches.layer[k];
     printf("  scratches: %u on %g cm, radius %g to %g of that, stretch %g to %g, depth %g to %g, "
-           "direction %g, spread %g\n",
+           "direction %.3g, spread %.3g degrees\n",
            (unsigned)l->pits, p->scratch_cm, l->radius.low, l->radius.high, l->stretch.low,
-           l->stretch.high, l->depth.low, l->depth.high, l->direction, l->spread);
+           l->stretch.high, l->depth.low, l->depth.high, l->direction * DEGREES,
+           l->spread * DEGREES);
   }
 }
 

@@ -316,8 +316,14 @@ static int read_options(request *r, int argc, char **argv) {
     fputs("shade weave: expected --pattern, --draft or --name (see shade weave --help)\n", stderr);
     return TOOL_BAD_USAGE;
   }
-  if (r->has_map && (!r->map_path || shade_image_format_of(r->map_path) != SHADE_IMAGE_PNG)) {
-    fputs("shade weave: --map chooses what -o writes as .png\n", stderr);
+  const shade_image_format format = shade_image_format_of(r->map_path ? r->map_path : "");
+  const char *const wrong =
+      r->has_map && format != SHADE_IMAGE_PNG ? "--map chooses what -o writes as .png"
+      : r->bits && format != SHADE_IMAGE_PNG  ? "--bits is for PNG; an EXR has --half"
+      : r->half && format != SHADE_IMAGE_EXR  ? "--half is for EXR; a PNG has --bits"
+                                              : NULL;
+  if (wrong) {
+    fprintf(stderr, "shade weave: %s\n", wrong);
     return TOOL_BAD_USAGE;
   }
   return TOOL_DONE;
@@ -462,7 +468,7 @@ static int write_map(request *r, const shade_weave *w) {
 }
 
 int shade_cmd_weave(int argc, char **argv) {
-  request r = {.bits = 8};
+  request r = {0};
   shade_weave_params_init(&r.params);
   int status = read_options(&r, argc, argv);
   shade_weave *w = NULL;
