@@ -108,7 +108,6 @@ static void flat_places_are_flat(void **state) {
   for (int k = 0; k < 5; k++)
     assert_near(whole[k], half_of_all[k], 2e-3);
   half_flat_at(r, 0, 1);
-  half_flat_at(r, -7, 1); /* the same again */
   shade_relief_free(r);
 
   /* between flat and rippled there is no step */
@@ -127,6 +126,19 @@ static void a_small_square_has_windows_of_its_own(void **state) {
   field *f = look(half_rippled, 0.3, 0.02);
   shade_relief *r = relief_of(f, 0);
   half_flat_at(r, 0.3, 0.02);
+  shade_relief_free(r);
+  free(f);
+}
+/* Two tiles beside each other. */
+static void twice_half_rippled(double u, double v, uint64_t *seed, double s[2]) {
+  half_rippled(fmod(2 * u, 1), fmod(2 * v, 1), seed, s);
+}
+static void more_than_a_period_lies_on_itself(void **state) {
+  (void)state;
+  field *f = look(twice_half_rippled, 0, 2);
+  shade_relief *r = relief_of(f, 0);
+  for (int i = -2; i < 3; i++)
+    half_flat_at(r, i, 1);
   shade_relief_free(r);
   free(f);
 }
@@ -162,6 +174,8 @@ static void points_count_by_their_weight(void **state) {
     numbers[i % 5][i] = wrong[i % 3];
     if (i % 7 == 0)
       f->weight[i] = -1;
+    if (i % 5 < 2) /* were they counted it would show */
+      f->x[i] = 30;
   }
   r = relief_of(f, 0);
   shade_relief_whole(r, whole);
@@ -260,6 +274,7 @@ int main(void) {
       cmocka_unit_test(even_bumps_have_the_moment_of_all),
       cmocka_unit_test(flat_places_are_flat),
       cmocka_unit_test(a_small_square_has_windows_of_its_own),
+      cmocka_unit_test(more_than_a_period_lies_on_itself),
       cmocka_unit_test(few_points_say_less),
       cmocka_unit_test(points_count_by_their_weight),
       cmocka_unit_test(long_waves_are_a_shape),
