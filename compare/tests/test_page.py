@@ -60,7 +60,7 @@ def test_figures_and_tables_are_counted_through_the_page():
         page.numbered([section(figures=[part("a")], tables=[part("a")])])
     assert 'aria-label="a &quot;b&quot;"' in page.figure(sections[0], part("a"), names)
     made = page.table(sections[0], part("t", rows=[(1, "one"), (2, "two")]), names)
-    assert made.count("<tr>") == 3 and made.count("class=number") == 1
+    assert made.count("<tr>") == made.count("</tr>") == 3 and made.count("class=number") == 1
     with pytest.raises(ValueError, match="table t: a row of 1 for 2"):
         page.table(sections[0], part("t", rows=[(1,)]), names)
     linked = page.sentence(sections[1], SimpleNamespace(text="so", figure="a"), names)
@@ -108,6 +108,7 @@ def test_a_page_of_its_own_and_the_report():
     assert "libshade · quick report" in quick and page.QUICK[:30] in quick
     alone = page.html(sections[1:], head, False, alone=True)
     assert "<h1>Where</h1>" in alone and '<a href="report.html">report</a>' in alone and 'id="atlas-map"' in alone and 'id="atlas-u"' in alone and "So it is." in alone
+    assert alone.index('id="atlas-map"') < alone.index('<section id="appendix">') < alone.index('id="atlas-u"')  # no finding leads to it, and there it is
     assert '<a class="skip" href="#atlas">To the text</a>' in alone and 'id="answers"' not in alone
 
 
