@@ -744,7 +744,9 @@ def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
     for there, last in (("no-net:", [*map(str, range(7, 26)), "wrong"]), ("no-make:", list(map(str, range(11, 31))))):
         done, log = made("bookworm", there=[there])
         assert done.returncode == 1 and done.stderr.splitlines() == last and not chroot.exists() and "make -C" not in log
-    done, log = made("trixie", "blender", "povray", KEEP="1")
+    network = {"http_proxy": "a", "https_proxy": "b", "no_proxy": "c", "PIP_INDEX_URL": "d", "PIP_EXTRA_INDEX_URL": "e", "PIP_CERT": "f", "SSL_CERT_FILE": "g"}
+    done, log = made("trixie", "blender", "povray", KEEP="1", OTHER="x", **network)
+    assert " TERM=dumb " + " ".join("=".join(item) for item in network.items()) + " make -C /clone" in log
     chroot = root / "build/chroot-trixie"
     assert re.search(r"make -C /clone blender povray$", log, re.M) and "chroot: make blender povray ended with 7" in done.stdout
     assert (chroot / "etc/apt/sources.list").read_text() == "deb http://mirror/debian trixie main\ndeb http://x/security trixie-security main\n"
