@@ -708,7 +708,7 @@ def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
     stand_ins = {**apt, "id": 'cat "$HOME/user"', "debootstrap": 'mkdir -p "$3/etc/apt/apt.conf.d"; seq 25; echo wrong >&2; [ ! -f "$HOME/no-net" ]',
                  "apt-config": 'echo "Acquire::http::Proxy \\"p\\";"; echo "Acquire::Check-Valid-Until \\"0\\";"; echo "Dir \\"/\\";"', "git": 'for w; do :; done; mkdir -p "$w"', "du": "echo 9G",
                  "unshare": '[ "$1 $2 $3" = "--mount --pid --fork" ] && shift 3 && exec "$@"', "mount": '! grep -qx "$3" "$HOME/unmounted" 2>/dev/null',
-                 "chroot": 'case "$*" in *"make -C"*) exit 7 ;; *"install --yes"*) seq 30; [ ! -f "$HOME/no-make" ] ;; esac'}
+                 "chroot": 'case "$*" in *"make -C"*) [ -f "$HOME/good" ] || exit 7 ;; *"install --yes"*) seq 30; [ ! -f "$HOME/no-make" ] ;; esac'}
     script = root / "setup/chroot-demo.sh"
     text = script.read_text()
     for there, here in (("/etc/resolv.conf ", "resolv.conf "), ("/etc/ssl/certs/ca-certificates.crt", "ssl/ca.crt"), ("/usr/local/share/ca-certificates", "ca"), ("/etc/pip.conf ", "pip.conf ")):
@@ -717,7 +717,7 @@ def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
 
     def made(*words, user="0", without=(), there=(), **more):
         (tmp_path / "user").write_text(user)
-        for name in ("no-net", "no-make", "no-lists", "unmounted"):
+        for name in ("no-net", "no-make", "no-lists", "unmounted", "good"):
             (tmp_path / name).unlink(missing_ok=True)
         for name in there:
             (tmp_path / name.partition(":")[0]).write_text(name.partition(":")[2] + "\n")
@@ -739,6 +739,8 @@ def test_make_as_on_a_machine_that_has_nothing(house, programs, tmp_path):
     assert inside[0].endswith("sh -c apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --yes --no-install-recommends make") and len(inside) == 2
     assert log.splitlines().count(f"mount -t proc proc {chroot}/proc") == log.splitlines().count(f"mount -t tmpfs shm {chroot}/dev/shm") == 2
     assert done.stdout.splitlines()[:3] == ["chroot: debootstrap of Debian's bookworm (minbase)", "chroot: installing make", "chroot: make demo"]
+    done, _log = made("bookworm", there=["good:"])
+    assert done.returncode == 0 and "chroot: make demo ended with 0 after" in done.stdout
     for place in ("proc", "shm"):
         assert "\nchroot " not in made("bookworm", there=[f"unmounted:{place}"])[1]
     for there, last in (("no-net:", [*map(str, range(7, 26)), "wrong"]), ("no-make:", list(map(str, range(11, 31))))):
