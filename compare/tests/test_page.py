@@ -278,6 +278,7 @@ def test_what_is_gathered(made_of, tmp_path, capsys):
     assert [re.sub(r"… .*", "", line) for line in lines] == ["[1/3, 3 s left] atlas: a ", "[2/3, 2 s left] atlas: b ", "[3/3, 1 s left] atlas: c "]
     section, = report_page.gather(options, report_page.plan(options, HEAD), HEAD)
     assert (section.name, section.count, section.left, section.apart, dict(section.commands)) == ("atlas", 6, 0, True, {"one": ["a", "b"]})
+    assert [report_page.read_rows(tmp_path / f"data/atlas/{key}.csv")[1]["command"] for key in "abc"] == ["one", "one", "make compare"]
     assert report_page.read_rows(tmp_path / "data/atlas.csv") == ([{"of": key} for key in "aabbcc"], HEAD)
     options = made_of(tasks, findings)
     with pytest.raises(ValueError) as wrong:

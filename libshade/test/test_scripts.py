@@ -579,8 +579,8 @@ def test_environments_of_python(house, tmp_path):
     def made(*goals):
         log.write_text("")
         done = made_by(root, "-j1", "PYTHON3=./python", *goals)
-        return done, sorted(re.sub("--disable-pip-version-check|--quiet|--retries 5", "", line).split() for line in log.read_text().splitlines())
-    of = lambda name, pins, *flags: [["pip", "install", *flags, "-r", f"setup/requirements{pins}.txt"], ["venv", f"build/venv{name}"]]
+        return done, sorted(line.split() for line in log.read_text().splitlines())
+    of = lambda name, pins, *flags: [["pip", "--disable-pip-version-check", "install", "--quiet", "--retries", "5", *flags, "-r", f"setup/requirements{pins}.txt"], ["venv", f"build/venv{name}"]]
     apt = lambda *lists: [["apt", f"setup/packages-{name}.txt"] for name in lists]
     done, log_of = made("setup-demo")
     assert log_of == sorted([*apt("demo"), *of("", "")]) and done.stdout == "setup: Python packages of setup/requirements.txt into build/venv\n", done.stderr
