@@ -1008,6 +1008,15 @@ def test_header_is_no_json(dump, tmp_path, text, words):
     assert words in result.stderr and str(path) in result.stderr
 
 
+def test_what_a_header_says_twice(dump, near_cloth, tmp_path):
+    for of, said, words in ((dump, '"ey": 10, "detail"', "two values of 'ey'"), (dump, '"id": 3, "detail"', "two values of 'id'"),
+                            (Dump(near_cloth), '"id": 3, "fabric"', "two values of 'id'"), (Dump(near_cloth), '"name": "b", "fabric"', "two values of 'name'"),
+                            (Dump(near_cloth), '"gloss": 1, "fabric"', "unknown key beside fabric: 'gloss'")):
+        text = json.dumps(of.header).replace(said.split(", ")[1], said, 1)
+        result = check(of.write(tmp_path / "x.exr", text=text))
+        assert result.returncode == 1 and f"material number 0 of the header: {words}" in result.stderr, (said, result.stderr)
+
+
 def test_missing_material(dump, tmp_path):
     del dump.header["materials"][4]
     assert_fault(dump.write(tmp_path / "x.exr"), "material.ID is not in the header")

@@ -197,6 +197,16 @@ def test_diffuse_by_hand(model, precision):
     assert got == pytest.approx(DIFFUSE[model], rel=PRECISIONS[precision])
 
 
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_what_is_reflected_is_not_diffuse(precision):
+    """Of the models that say so; without a Fresnel term there is no f0."""
+    for model, left in (("ashikhmin_shirley", 0.7), ("lambert", 1)):
+        words = ("--what", "diffuse", "--diffuse", model, "--precision", precision)
+        query = [(0.36, 0.48, 0.8) + ((0.6, 0, 0.8) if model != "lambert" else ())]
+        (whole,), (less,) = evaluate(query, *words), evaluate(query, *words, "--f0", "0.3")
+        assert less == pytest.approx(left * whole, rel=PRECISIONS[precision])
+
+
 def test_diffuse_part_of_f():
     query = [(0, 0, 1, 0, 0.6, 0.8, 0.6, 0, 0.8)]
     plain, with_fibres = (evaluate(query, "--what", "f", "--diffuse", "fibre", *more)[0]
@@ -352,8 +362,9 @@ HELP = {  # of each command, as a person reads it: what an option takes, its ran
     "eval": ["--what D|f|diffuse|pdf|sample (default D)", "--precision float|double|reference (default double; fast, of older versions, is float)",
              "--ex Exponent along the tangent; larger is narrower, 0 to 1e+06", "--ey Exponent across the tangent; larger is narrower, 0 to 1e+06",
              "--ax Roughness alpha along the tangent, 0.0001 to 10", "--ay Roughness alpha across the tangent, 0.0001 to 10",
-             "--f0 Reflectance at normal incidence, linear RGB, 0 to 1", "--kd Diffuse reflectance, linear RGB, 0 to 1", "(default --ex 200 --ey 10)", "(default 0,0,0,0,0)",
-             "the version of the defaults (default 1)"],
+             "--f0 Reflectance at normal incidence, linear RGB, 0 to 1, in every channel", "--kd Diffuse reflectance, linear RGB, 0 to 1, in every channel", "(default --ex 200 --ey 10)", "(default 0,0,0,0,0)",
+             "the version of the defaults (default 1)", "The lobe is stated by --ex and --ey, or --ax and --ay. Fresnel is 1; with --f0 schlick; "
+             "with --f0 and --f82 f82; with --eta and --k conductor. f includes the diffuse part with --kd."],
     "bench": ["--output FILE these columns into a file, beside what is printed", "--isa NAME avx512, avx2, sse2, neon or scalar (default: that of shade --version)",
               "--all every instruction set of this CPU", "--mdf NAME one distribution only", "--set NAME cache or memory only", "--ex E --ey E exponents (default 200, 10)",
               "Times are the best of many runs, in ns."],

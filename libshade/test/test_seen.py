@@ -337,6 +337,8 @@ def test_all_of_a_draft_at_once(tmp_path):
 def test_no_map_of_a_draft_that_failed(tmp_path):
     result = shade("weave", "--name", "plain", "--wif", tmp_path / "none" / "a.wif", "-o", tmp_path / "a.exr", "--size", 8)
     assert result.returncode == 1 and "a.wif" in result.stderr and not list(tmp_path.iterdir())
+    full = shade("weave", "--name", "plain", "--wif", "/dev/full")
+    assert full.returncode == 1 and full.stderr == "shade weave: /dev/full: cannot write: No space left on device\n"
 
 
 # ---- progress, and how it ends ---------------------------------------------------------------------

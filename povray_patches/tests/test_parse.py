@@ -652,6 +652,8 @@ NOTES = [
     ("ambient 0 diffuse 0", "fabric { yarns { gap .3 } backing rgb <0, .1, 0> }", "weave plain", "rays pass"),
     ("ambient 0 diffuse 0", "fabric { weft { transmit rgb <0, 0, .1> } }", "light from behind shines through its yarns", "rays"),
     ("ambient 0 diffuse 0", 'bump_image { png "flat.png" } horizon mutual slopes 0, 0, .1, 0, .1', "an image of 4 x 2, strength 1, unfiltered", "roughness"),
+    ("ambient 0 diffuse 0", "horizon mutual slopes .01, 0, .25, .001, .25", "slopes 0, 0, 0.25, 0, 0.25 (deviations 0.5 along the strokes, 0.5 across)", "0.01"),
+    ("ambient 0 diffuse 0", "horizon mutual slopes .1, 0, .25, -.02, .04", "slopes 0.1, 0, 0.25, -0.02, 0.04 (deviations 0.5 along the strokes, 0.2 across)", "unfiltered"),
 ]
 
 
@@ -684,6 +686,8 @@ NAMED = [
     (BLOB.format("scratches { }"), ("'scratches'",)),
     (BLOB.format('preset "denim"'), ("'fabric'",)),
     (BLOB.format("ggx .1, .2"), ()),
+    ("union { sphere { 0, 1 } box { 1, 2 } texture { finish { mdf { tangent uv } } } }", ()),
+    ("union { sphere { 0, 1 } blob { threshold .5 sphere { 0, 1, 1 } } texture { finish { mdf { tangent uv } } } }", ("'tangent uv'",)),
 ]
 
 
