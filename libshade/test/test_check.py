@@ -975,6 +975,8 @@ def test_idle_material_and_light(dump, tmp_path):
     (lambda h: h["materials"][2].update(id=2.5), "'id'"),
     (lambda h: h["materials"][2].update(id=-1), "'id'"),
     (lambda h: h["materials"][2].update(name=3), "'name'"),
+    (lambda h: h["materials"][2].update(slopes=[0, 0, .1, 0, .1, 5]), "bad value of 'slopes': expected [x, y, xx, xy, yy]"),
+    (lambda h: h["materials"][2].update(slopes=[0, 0, .1, 0]), "'slopes'"),
     (lambda h: h["materials"][2].update(glow=3), "unknown key 'glow'"),
 ])
 def test_bad_header(dump, tmp_path, edit, words):
