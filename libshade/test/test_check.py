@@ -1017,6 +1017,9 @@ def test_what_a_header_says_twice(dump, near_cloth, tmp_path):
         text = json.dumps(of.header).replace(said.split(", ")[1], said, 1)
         result = check(of.write(tmp_path / "x.exr", text=text))
         assert result.returncode == 1 and f"material number 0 of the header: {words}" in result.stderr, (said, result.stderr)
+    cloth = Dump(near_cloth)
+    del cloth.header["materials"][0]["id"]
+    assert "material number 0 of the header: lacks 'id'" in check(cloth.write(tmp_path / "x.exr")).stderr
 
 
 def test_missing_material(dump, tmp_path):
