@@ -27,7 +27,7 @@ HERE = Path(__file__).parent
 KINDS = native.table()  # each has a stage of its name
 STAGES = """pixel_cone width spread camera locate gather corner surface pair lit shadow reflect film""".split()
 STAGES += "route_hit pixel footprint place_samples choose escape sky sky_pdf sky_draw".split()
-STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"] if kind not in ("CLOTH", "SCRATCHES", "ATTRIBUTE")]  # two all libshade's
+STAGES += [kind.lower() for kind in KINDS["lights"] + KINDS["nodes"] if kind not in ("CLOTH", "RELIEF", "SCRATCHES", "ATTRIBUTE")]  # three all libshade's
 STAGES += [what + kind.lower() for kind in KINDS["lights"] for what in ("hit_", "chosen_")]
 BPY_LIBRARIES = next((ROOT / "build/venv-bpy").glob("lib/python3*/site-packages/bpy/lib"), ROOT / "build/venv-bpy/none")
 
