@@ -534,3 +534,14 @@ def test_sizes_of_lobes_are_called_what_they_are(rows):
         assert ">a title<" in made and ">tilt of n, °<" in made
         seen.add(form.mdf == "ashikhmin_shirley")
     assert seen == {False, True}
+
+
+def test_rounding_is_told_where_it_was_found(rows):
+    """The normal leans as far as its row says, towards one of three sides, and h stands off it."""
+    found = [row for row in rows if row["map"] == "float"]
+    assert found
+    for row in found:
+        n, h = (direction(row[f"{v}_theta"], row[f"{v}_phi"]) for v in "nh")
+        assert row["n_theta"] == pytest.approx(row["tilt"], abs=1e-3) and (row["tilt"] == 0 or min(abs(row["n_phi"] - a) for a in (0, 35, 90)) < 1e-3)
+        assert np.dot(n, h) < 1
+    assert any(abs(row["h_theta"] - row["tilt"]) > 1 for row in found)

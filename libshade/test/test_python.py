@@ -722,6 +722,7 @@ def test_scratches():
     y, x = 120, 250
     seen = field.look_up([(x + 0.5) / 400, 1 - (y + 0.5) / 400]).normal
     assert seen == pytest.approx(normal[y, x], abs=1e-6)
+    assert field.picture(100, 100, samples=4)[0] == pytest.approx(height.reshape(100, 4, 100, 4).mean((1, 3)), abs=1e-7)
     tall = shade.Scratches({"pits": 3, "radius": 0.1, "stretch": 1, "depth": 0.2}, cells=0, seed=3, aspect=2).picture(200, 400)[0]
     assert np.mean(tall < 0) == pytest.approx(np.mean(height < 0) / 2, rel=0.05)
     for layer, error, says in (({"depth": 2}, ValueError, "depth: 2.* given; expected a number from 0 to 0.99"),

@@ -644,6 +644,11 @@ def test_judges_are_heard_one_after_the_other(house, tmp_path):
     assert [line for line in done.stdout.splitlines() if "within limits" in line] == [
         f"compare/{judge}: within limits, as found before" for judge in listed if judge != "slopes.py"]
     assert made()[1] == [plan, report]
+    for name in ("build/povray", "build/shade", "build/horizon", "compare/plain.py"):  # all that one may have been measured with
+        (root / name).touch()
+        os.utime(root / name, (2e9, 2e9))
+        assert len(made()[1]) == len(listed) + 2, name
+        os.utime(root / name, (1e9, 1e9))
     (root / "compare/truth.py").touch()
     os.utime(root / "compare/truth.py", (2e9, 2e9))
     done, asked = made(bad=f"compare/{listed[1]}", STATUS="130")
