@@ -187,6 +187,16 @@ def test_every_example_is_there():
     assert [task.key for task in study.tasks(True)] == ["suzanne-quick"]
 
 
+def test_cloths_of_twins_are_as_fine_as_the_examples():
+    """Millimetres to a unit, in the scene's text and in its twin; 200 where neither says."""
+    twins = (programs.HERE / "povray_twins.py").read_text()
+    for name, function in (("cloth", "cloth_table"), ("lampshade", "lampshade")):
+        scene = (programs.ROOT / f"examples/povray/{name}/{name}.pov").read_text()
+        said = set(re.findall(r"mm_per_unit (\d+)", scene))
+        body = re.search(rf"^def {function}\(.*?(?=^def )", twins, re.M | re.S)[0]
+        assert said and said <= set(re.findall(r'cloth\("\w+", (\d+)\)', body)), name
+
+
 def test_the_reduced_set_has_every_word():
     """Each distribution, BRDF, detail, horizon and diffuse model but the demo's own and auto's twins."""
     import shade
