@@ -252,6 +252,19 @@ def test_planes_tell_the_first_surface():
     assert (depth[outside] == 1e10).all() and (normal[outside] == 0).all()
 
 
+def test_depth_of_a_panorama_is_how_far_it_is():
+    """Not along the way that the camera looks."""
+    camera = {**ortho(), "type": "PANO", "panorama": "EQUIRECTANGULAR", "range": [-0.6, 0.6, -0.6, 0.6], "fov": 1.0, "focal": 1.0, "sensor": (1.0, 1.0),
+              "polynomial": [0.0] * 5, "frame": [0, 1, 0, 1]}
+    job = native.start(scene(camera=camera, meshes=[square(99.0)], planes=[{"type": "DEPTH"}], samples=4))
+    finish(job)
+    depth = np.zeros((16, 16, 1), np.float32)
+    native.image(job, depth, "DEPTH")
+    native.free(job)
+    at = np.cos((np.arange(16) + 0.5) * 1.2 / 16 - 0.6)
+    np.testing.assert_allclose(depth[..., 0], 3 / (at[:, None] * at), rtol=0.06)
+
+
 def test_planes_of_objects_and_of_uv():
     """The number of the object that is met first, and where on its map, with 1 where there is one; by what is before, not by its mesh."""
     own = np.eye(4)

@@ -37,6 +37,7 @@ def test_a_picture_is_four_floats_a_pixel():
     large, peak = held(width=1024, height=2048)
     assert large - small == pytest.approx(32 * MEGABYTE, rel=0.01)
     assert peak >= large
+    assert held()[1] < 8 * MEGABYTE  # not that of the larger one before
 
 
 def test_all_is_given_back():

@@ -126,6 +126,8 @@ def test_what_is_written_of_a_scene(tmp_path):
      "pictures[0].scene.meshes[0]: positions must be {\"array\": k}"),
     (lambda header, arrays: header["pictures"][0]["scene"]["meshes"][0].update(positions=header["pictures"][0]["scene"]["meshes"][0]["material"]),
      "pictures[0].scene.meshes[0]: positions has items of type int32"),
+    (lambda header, arrays: header["pictures"][0]["scene"]["meshes"][0].update(positions={"array": len(header["arrays"])}),
+     "pictures[0].scene.meshes[0]: positions must be {\"array\": k} of an array that there is"),
     (lambda header, arrays: header["arrays"][1].update(offset=0), "arrays[1]: offset must be where the array before ends"),
     (lambda header, arrays: header["arrays"][0].update(type="float16"), "arrays[0]: type must be one of float32"),
     (lambda header, arrays: header["arrays"][0].update(shape=[2**40]), "arrays[0]: shape must be whole numbers"),

@@ -524,6 +524,19 @@ def test_light_becomes_bytes_and_back():
     assert image._place(1001) == (0, 0) and image._place(1010) == (9, 0) and image._place(1011) == (0, 1) and image._place(1023) == (2, 2)
     tiles = lambda *numbers: Of(source="TILED", tiles=[Of(number=number) for number in numbers])
     assert image.tiles_of(tiles(1001, 1002, 1021)) == (2, 3) and image.tiles_of(Of(source="FILE")) == (1, 1)
+    names = []
+    tiled = Of(tiles=[Of(number=1001), Of(number=1012)], filepath=os.path.join(os.sep, "a.<UDIM>", "b_<UVTILE>.png"), library=None)
+    image.Images._tiled(Of(_loaded=lambda _image, path, _owner, _packed: names.append(os.path.relpath(path, os.sep).replace(os.sep, "/"))), tiled, "m", False)
+    assert names == ["a.1001/b_u1_v1.png", "a.1012/b_u2_v2.png"], names
+
+
+def test_attributes_of_one_name_are_told_apart():
+    """Those of the object and of its instancer; the same one again is the same."""
+    reader, listed = module("export.material").Reader, []
+    fake = Of(known={}, asks_objects=lambda: None, program=Of(emit=lambda *_words, attribute: attribute),
+              _table=Of(attributes=Of(number=lambda kind, name: listed.append((kind, name)) or len(listed)), of_view_layer=lambda name: name))
+    asked = [reader.attribute(fake, kind, name) for kind, name in (("OBJECT", "a"), ("INSTANCER", "a"), ("OBJECT", "b"), ("OBJECT", "a"), ("VIEW_LAYER", "a"))]
+    assert asked == [1, 2, 3, 1, "a"] and listed == [("OBJECT", "a"), ("INSTANCER", "a"), ("OBJECT", "b")], asked
 
 
 def test_what_keyframes_set_is_followed_once():

@@ -54,6 +54,13 @@ def test_what_the_engine_says_of_itself():
     layer.use_pass_z = layer.use_pass_uv = True
     engine.update_render_passes(Of(register_pass=lambda _scene, _layer, *said: asked.append(said)), bpy.context.scene, layer)
     assert asked == [("Combined", 4, "RGBA", "COLOR"), ("Depth", 1, "Z", "VALUE"), ("UV", 3, "UVA", "VECTOR")], asked
+    registered = []  # by what is switched on there is another pass
+    with replaced(engine, update_render_passes=lambda _engine, _scene=None, _layer=None: registered.append(1)):
+        for owner, word in ((layer.libshade, "denoising_store_passes"), (layer.libshade, "use_pass_shadow_catcher"), (layer.libshade, "pass_debug_sample_count"),
+                            (bpy.context.scene.libshade, "use_denoising")):
+            registered.clear()
+            setattr(owner, word, True)
+            assert registered, word
 
 
 def test_whether_there_is_something_to_draw():
