@@ -118,6 +118,8 @@ def test_several_lobes_keep_the_mean_and_no_more_than_the_covariance(tmp_path, l
     one = look_up(picture, *lobe, points=whole)[0]
     got = look_up(picture, *lobe, "--lobes", lobes, points=whole)[0]
     assert len(got) == 9 + 4 * lobes and (got[:6] == one[:6]).all()
+    alone = look_up(picture, "--lobes", lobes, points=whole)[0]  # of the lobe that there is without a word
+    assert (alone == look_up(picture, "--mdf", "ashikhmin_shirley", "--lobes", lobes, points=whole)[0]).all()
     weight, *normal = got[9:].reshape(lobes, 4).T
     slopes = -np.array(normal[:2]) / normal[2]
     assert abs(weight.sum() - 1) < 1e-12
