@@ -27,6 +27,8 @@ def test_round_yarns_by_hand():
     varied = {**ROUND, "slub": 0.8, "vary_tilt": 0.5, "along_tilt": 0.3, "vary_brightness": 0.5}
     made, planes = images(preset="linen", warp_yarn=varied, weft_yarn=varied)
     assert made["repeat"] == (2, 2) and made["size"] == (64, 64) and made["tint"] is None
+    across, along = images(preset="gabardine")[0]["per_unit"]  # 44 ends and 22 picks a centimetre
+    assert across == pytest.approx(2 * along) and made["per_unit"][0] == made["per_unit"][1]
     assert made["warp"]["slub"] == pytest.approx(0.8) and made["warp"]["share"] == pytest.approx(0.8)
     tilt, yarns = planes["tilt"], planes["yarns"]
     # of three points a texel
