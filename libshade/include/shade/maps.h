@@ -248,26 +248,26 @@ typedef struct shade_relief shade_relief;
 #define SHADE_RELIEF_EVEN 0.5
 
 /**
- * Find how steep bumps are, from points that lie as densely on all of a surface.
+ * Find how steep bumps are near each place, from points that lie as densely on all of a surface.
  *
- * A place has the second moment of slopes in a window about it. All windows are as wide: the
- * narrowest of those 2, 4 to 64 points wide (of 2 n^2 points each way n) that hold four fifths of
- * the variance. Bumps that are even have the moment of all points everywhere, by how much windows
- * differ (docs/theory/horizons.md, Which slopes count). Few points tell less of that: where some
- * thousand have more than 0.2, take a hundred thousand.
+ * Each place has the second moment of slopes in a window of 3 by 3 cells about it. 8 to 256 cells
+ * lie along a side, by powers of 2: the most of which windows hold four fifths of the variance, but
+ * no more than let a cell have 2 points on the mean. Where windows differ little, bumps are even,
+ * and every place has the moment of all points (docs/theory/horizons.md, Which slopes count). Few
+ * points tell less of that: where 4096 of them differ by more than 0.2, take more.
  *
  * With `shape` long waves are the surface's own, which nothing shades: windows eight times as wide
  * have means of their own, and moments are about these.
  *
- * Places repeat with period 1. Where they lie in a square of less, that repeats in its place. A
+ * Places repeat with period 1. Where all lie in a smaller square, it is that which is divided. A
  * point counts nothing where a number of it is not finite, or its weight is not above 0.
  *
  * Threads: the call allocates.
  *
- * @param count   points; those of 250000 and more fill the finest windows
- * @param u, v    their places, as of a picture
+ * @param count   points; from 131072 on there may be 256 cells
+ * @param u, v    their places, as of a picture; finite
  * @param x, y    their slopes along T and y of the local frame: -n.x/n.z, -n.y/n.z
- * @param weight  NULL, or what each counts
+ * @param weight  NULL, or what each counts beside the others, above 0
  * @param shape   1: means of wide windows; 0: one mean
  * @return the relief, to be freed with shade_relief_free; NULL only when out of memory
  */
