@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* shade check: what came out, as text or as JSON. */
 #include "tool/check.h"
+#include "tool/tool.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -100,8 +101,6 @@ static int pixel_y(const check *c, size_t pixel) {
   return (int)(pixel / (size_t)c->dump->width);
 }
 
-#define DEGREES (180 / 3.14159265358979323846)
-
 static void print_apart(const check *c) {
   for (int m = 0; m < c->material_count; m++)
     for (int light = 0; light < c->dump->lights; light++)
@@ -129,7 +128,7 @@ static void print_text(const check *c, const verdict *v) {
       const check_cell *in = check_cell_at(c, m, light);
       printf("%8d %-20s %-12s %9zu %6.2f %5d %9zu ", mat->id, mat->name,
              shade_list_word(SHADE_LIST_DETAIL, (int)mat->params.detail), mat->pixels,
-             mat->tilt * DEGREES, light, in->checked);
+             mat->tilt / DEGREE, light, in->checked);
       if (in->checked)
         printf("%10.3e %10.3e  (%d, %d) %c: %.9g, %.9g\n", in->largest, mean_of(in),
                pixel_x(c, in->worst_pixel), pixel_y(c, in->worst_pixel), "RGB"[in->worst_channel],
@@ -173,7 +172,7 @@ static void print_json_cell(const check *c, const check_material *m, const check
   printf("{\"material\": %d, \"name\": ", m->id);
   json_print_string(stdout, m->name);
   printf(", \"detail\": \"%s\", \"pixels\": %zu, \"tilt\": %.6g, \"light\": %d, \"values\": %zu",
-         shade_list_word(SHADE_LIST_DETAIL, (int)m->params.detail), m->pixels, m->tilt * DEGREES,
+         shade_list_word(SHADE_LIST_DETAIL, (int)m->params.detail), m->pixels, m->tilt / DEGREE,
          light, in->checked);
   if (in->checked)
     printf(", \"largest\": %.17g, \"mean\": %.17g, \"mean_beyond\": %.17g, \"worst\": {\"x\": %d, "

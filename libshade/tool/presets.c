@@ -7,8 +7,6 @@
 #include "tool/json.h"
 #include "tool/tool.h"
 
-#define DEGREES (180 / 3.14159265358979323846)
-
 static void usage(FILE *to) {
   fputs(
       "usage: shade presets [--json] [NAME]\n\n"
@@ -125,8 +123,7 @@ static void show(shade_preset *p) {
     printf("  scratches: %u on %g cm, radius %g to %g of that, stretch %g to %g, depth %g to %g, "
            "direction %.3g, spread %.3g degrees\n",
            (unsigned)l->pits, p->scratch_cm, l->radius.low, l->radius.high, l->stretch.low,
-           l->stretch.high, l->depth.low, l->depth.high, l->direction * DEGREES,
-           l->spread * DEGREES);
+           l->stretch.high, l->depth.low, l->depth.high, l->direction / DEGREE, l->spread / DEGREE);
   }
 }
 

@@ -14,8 +14,6 @@
 #include "tool/tool.h"
 #include "tool/work.h"
 
-#define DEGREE (3.14159265358979323846 / 180)
-
 enum { MOST_SAMPLES = 64, MOST_THREADS = 256 };
 
 static void usage(FILE *to) {

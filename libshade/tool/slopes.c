@@ -181,7 +181,7 @@ static void answer(void *context, double u, double v, const double footprint[4])
     shade_params_split(&j->o->lobe, s.normal, s.covariance, most, &wide, &angle, &lobes);
     const int exponents = shade_mdf_reads_exponents(wide.mdf);
     printf(" %.17g %.17g %.17g", exponents ? wide.ex : wide.ax, exponents ? wide.ey : wide.ay,
-           angle * 180 / 3.14159265358979323846);
+           angle / DEGREE);
     const double cs = cos(angle), sn = sin(angle);
     for (int i = 0; i < lobes.count && j->o->lobes; i++) {
       const double x = lobes.nx[i], y = lobes.ny[i];

@@ -3,6 +3,8 @@
 #ifndef SHADE_TOOL_H
 #define SHADE_TOOL_H
 
+#define DEGREE (3.14159265358979323846 / 180) /* in radians */
+
 enum { TOOL_DONE = 0, TOOL_BAD_INPUT = 1, TOOL_BAD_USAGE = 2 };
 
 /* argv[0] is the subcommand's name. */

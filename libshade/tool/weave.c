@@ -12,8 +12,6 @@
 #include "tool/tool.h"
 #include "tool/work.h"
 
-#define DEGREE 0.017453292519943295
-
 typedef enum map { MAP_NORMAL, MAP_ID, MAP_OCCLUSION, MAP_COLOR } map;
 static const char *const map_words[] = {"normal", "id", "occlusion", "color"};
 enum { MAPS = sizeof map_words / sizeof map_words[0] };
