@@ -232,8 +232,11 @@ void look_at(const ObjectPtr &object, const Vector3d &eye, double points, SlopeT
 void Parser::Find_Mdf_Slopes() {
   const double MOST = 4096.0, FINEST = 65536.0, ALL = 1 << 20, MAY_BE_UNEVEN = 0.2;
   const double LEAST = 1e-10; // what rounding alone may leave
-  typedef std::vector<ObjectPtr> Objects;
-  typedef std::map<const FINISH *, std::shared_ptr<const shade_relief>> Reliefs;
+  struct Bumpy {
+    ObjectPtr object;
+    MdfBlocks blocks;
+  };
+  typedef std::vector<Bumpy> Objects;
   mdf::Scene &scene = *sceneData->mdfScene;
   Objects bumpy;
   std::vector<const FINISH *> wanted; // as they stand in the scene
@@ -241,12 +244,12 @@ void Parser::Find_Mdf_Slopes() {
 
   if (scene.empty())
     return;
-  for (Objects::const_iterator i = sceneData->objects.begin(); i != sceneData->objects.end(); ++i) {
-    MdfBlocks blocks;
+  for (size_t i = 0; i < sceneData->objects.size(); i++) {
+    Bumpy one = {sceneData->objects[i], MdfBlocks()};
     bool bumps = false;
-    Collect_Mdf_Blocks(*i, true, blocks);
+    Collect_Mdf_Blocks(one.object, true, one.blocks);
     const size_t before = wanted.size();
-    for (MdfBlocks::const_iterator f = blocks.begin(); f != blocks.end(); ++f)
+    for (MdfBlocks::const_iterator f = one.blocks.begin(); f != one.blocks.end(); ++f)
       if ((*f)->Mdf->wants_slopes()) {
         bumps = true;
         if (met.insert(*f).second)
@@ -254,7 +257,7 @@ void Parser::Find_Mdf_Slopes() {
       }
     std::sort(wanted.begin() + (long)before, wanted.end(), is_before);
     if (bumps)
-      bumpy.push_back(*i);
+      bumpy.push_back(one);
   }
   if (bumpy.empty())
     return;
@@ -266,35 +269,32 @@ void Parser::Find_Mdf_Slopes() {
   const Eye eye(sceneData->parsedCamera);
   SlopeTrace trace(sceneData, &own, cooperate, media, radiosity, eye);
   SlopeTrace finer(sceneData, &own, cooperate, media, radiosity, eye);
-  const auto pause = [this]() { Cooperate(); };
+  const auto look = [&](const Objects &all, double points, SlopeTrace &by) {
+    for (Objects::const_iterator i = all.begin(); i != all.end(); ++i)
+      look_at(i->object, eye.place, points, by, [this]() { Cooperate(); });
+  };
   const double few = max(min(ALL / (double)bumpy.size(), MOST), 128.0);
-  for (Objects::const_iterator i = bumpy.begin(); i != bumpy.end(); ++i)
-    look_at(*i, eye.place, few, trace, pause);
+  look(bumpy, few, trace);
 
   double slopes[5];
-  MdfBlocks uneven;
-  Reliefs found;
-  for (size_t i = 0; i < wanted.size(); i++) {
+  std::map<const FINISH *, std::shared_ptr<const shade_relief>> found;
+  const auto is_uneven = [&](const FINISH *f) {
+    return f->Mdf->may_be_uneven() && found.count(f) > 0 &&
+           shade_relief_whole(found[f].get(), slopes) > MAY_BE_UNEVEN;
+  };
+  for (size_t i = 0; i < wanted.size(); i++)
     found[wanted[i]] = trace.Of(wanted[i]).relief();
-    if (wanted[i]->Mdf->may_be_uneven() &&
-        shade_relief_whole(found[wanted[i]].get(), slopes) > MAY_BE_UNEVEN)
-      uneven.insert(wanted[i]);
-  }
   Objects again;
-  for (Objects::const_iterator i = bumpy.begin(); !uneven.empty() && i != bumpy.end(); ++i) {
-    MdfBlocks blocks;
-    bool any = false;
-    Collect_Mdf_Blocks(*i, true, blocks);
-    for (MdfBlocks::const_iterator f = blocks.begin(); f != blocks.end(); ++f)
-      any = any || uneven.count(*f) > 0;
-    if (any)
+  for (Objects::const_iterator i = bumpy.begin(); i != bumpy.end(); ++i)
+    if (std::any_of(i->blocks.begin(), i->blocks.end(), is_uneven))
       again.push_back(*i);
-  }
   const double many = min(ALL / (double)max(again.size(), (size_t)1), FINEST);
-  for (Objects::const_iterator i = again.begin(); many > few && i != again.end(); ++i)
-    look_at(*i, eye.place, many, finer, pause);
-  for (MdfBlocks::const_iterator f = uneven.begin(); many > few && f != uneven.end(); ++f)
-    found[*f] = finer.Of(*f).relief();
+  if (many > few) {
+    look(again, many, finer);
+    for (size_t i = 0; i < wanted.size(); i++)
+      if (is_uneven(wanted[i]))
+        found[wanted[i]] = finer.Of(wanted[i]).relief();
+  }
 
   for (size_t i = 0; i < wanted.size(); i++) {
     FINISH *const finish = const_cast<FINISH *>(wanted[i]); // of a texture, which is the scene's

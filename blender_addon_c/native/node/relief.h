@@ -10,12 +10,12 @@
 
 typedef struct node_relief {
   int outs, out[5];
-  shade_relief *map; /* its own, or NULL */
+  shade_relief *relief; /* its own, or NULL */
 } node_relief;
 
 static inline bool node_relief_read(reader *r, node_relief *n, graph *g) {
   bool shape = false;
-  n->map = NULL;
+  n->relief = NULL;
   if (!reader_may_flag(r, "shape", &shape))
     return false;
   n->outs = shape ? 5 : 3;
@@ -29,11 +29,11 @@ LEAF void node_relief_run(const node_relief *n, lane_run g, const corners *corne
   for (int k = 0; k < n->outs; k++) {
     float *const out = at->at[n->out[k]] + g.begin;
     slopes[(k + 2) % 5] = out;
-    if (!n->map)
+    if (!n->relief)
       memset(out, 0, (g.end - g.begin) * sizeof *out);
   }
-  if (n->map)
-    shade_relief_lookup_batchf(n->map, g.end - g.begin, point->u + g.begin, point->v + g.begin,
+  if (n->relief)
+    shade_relief_lookup_batchf(n->relief, g.end - g.begin, point->u + g.begin, point->v + g.begin,
                                slopes);
 }
 

@@ -147,7 +147,7 @@ static void set_relief(node_relief *n, shade_relief *r, bool first, bool *finer)
   const double varies = shade_relief_whole(r, slopes);
   *finer = *finer || (first && (shape ? slopes[2] + slopes[4] > 0 : varies > hint));
   if (!first && (shape ? slopes[2] + slopes[4] > 0 : varies > SHADE_RELIEF_EVEN))
-    n->map = r;
+    n->relief = r;
 }
 
 static void set_slopes(closure_metal *c, const shade_relief *r) {
@@ -210,9 +210,9 @@ static bool look(worker *w, material *m, double area, size_t count, bool *finer)
       if (good)
         set_slopes(c, r);
       /* of a node that several closures of a file read the first one's */
-      if (good && n && !n->map)
+      if (good && n && !n->relief)
         set_relief(n, r, count < FINE, finer);
-      if (!n || n->map != r)
+      if (!n || n->relief != r)
         shade_relief_free(r);
     }
   for (size_t k = 0; k < m->closures; k++)
@@ -243,7 +243,7 @@ static bool look_at(worker *w, material *m) {
 static void leave_even(material *m) {
   for (closure *c = m->closure; c < m->closure + m->closures; c++) {
     const node_relief *n = c->type == CLOSURE_METAL ? node_of(m, &c->of.metal) : NULL;
-    if (n && !n->map)
+    if (n && !n->relief)
       closure_metal_even(&c->of.metal);
   }
 }
@@ -265,7 +265,7 @@ bool relief_find(scene *s, const atomic_bool *cancel) {
 void relief_free(material *m) {
   for (node *n = m->node; m->node && n < m->node + m->nodes; n++)
     if (n->type == NODE_RELIEF)
-      shade_relief_free(n->of.relief.map);
+      shade_relief_free(n->of.relief.relief);
 }
 
 bool relief_told(const material *m, double slopes[5]) {
