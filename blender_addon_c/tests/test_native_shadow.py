@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shadows: where geometry says, no acne, no leaks, penumbras of the right width."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -353,3 +354,18 @@ render(scene(width=40, height=40, samples=4, threads=1, meshes=[square(2, -0.8),
 def test_shadow_rays_between_instances_end():
     """Said to be coherent, Embree 3.13 followed some of these for ever."""
     subprocess.run([sys.executable, "-c", ENDLESS, str(Path(__file__).parent)], check=True, timeout=100)
+
+
+LEFT_OVER = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from native_scenes import point, render, scene, sun
+for lamps in [sun((0.3, 0.2, 1))], [sun(), point((0, 0, 2))], [point((0, 0, 2), radius=0.1)] * 5:
+    picture, _ = render(scene(width=3, height=3, samples=1, lights=lamps))
+    assert picture[1, 1, 0] > 0, lamps
+"""
+
+
+def test_what_memory_held_before_is_no_ray():
+    """Nine rays are no whole packet; numbers without end beside them once ended the process, by an assertion of Embree's."""
+    subprocess.run([sys.executable, "-c", LEFT_OVER, str(Path(__file__).parent)], check=True, timeout=100, env={**os.environ, "MALLOC_PERTURB_": "128"})

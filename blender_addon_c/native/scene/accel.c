@@ -454,8 +454,10 @@ static void occlude_together(const accel *a, size_t count, occluded_ask *ask, ra
       TO_PACKET(packet, time, ray->time);
     if (a->veiled)
       TO_PACKET(packet, mask, a->shadow);
+    for (size_t k = count - begin; k < 16; k++) /* Embree 3 has asked them, whatever is valid, */
+      packet.tfar[k] = -1.0f;                   /* where packets of 16 are none of the CPU's own */
     for (size_t k = 0; k < 16; k++)
-      valid[k] = begin + k < count && packet.tfar[k] >= packet.tnear[k] ? -1 : 0;
+      valid[k] = packet.tfar[k] >= packet.tnear[k] ? -1 : 0;
     OCCLUDED(16, valid, &packet, ask);
     memcpy(ray->tfar + begin, packet.tfar, sizeof packet.tfar);
   }
