@@ -109,6 +109,16 @@ def test_planes_are_means_over_the_same_samples():
     assert (part[:, :SIDE // 2 - 4] == 16 / 512).all() and (part[:, SIDE // 2 + 4:] == 1).all()
 
 
+def test_a_dim_picture_takes_as_many_samples():
+    """An error is one by the root of the light: of a 10,000th of the light and a 100th of the error as many; of light below 0 none."""
+    matt = material(f0=(0, 0, 0), fresnel="NONE", kd=(0.8,) * 3)
+    bright, dim = (spent(half_noisy(samples=512, materials=[matt, matt], lights=[area((1, 0, 1), (4, 4), (9 * light,) * 3)],
+                                    adaptive_threshold=0.05 * light**0.5, adaptive_min_samples=4))[1] for light in (1, 1e-4))
+    assert dim == pytest.approx(bright, rel=0.05) and 8 < bright < 500
+    _, none = spent(scene(samples=64, materials=[matt], lights=[sun(irradiance=(-1, -1, -1))], transparent=False, adaptive_threshold=0.05, adaptive_min_samples=4))
+    assert none == 4
+
+
 @pytest.mark.parametrize("name, value", [("adaptive_threshold", -1), ("adaptive_threshold", float("nan")),
                                          ("adaptive_min_samples", 0)])
 def test_malformed(name, value):

@@ -241,6 +241,9 @@ def test_planes_tell_the_first_surface():
     normal, albedo, number, depth = (np.full((16, 16, n), np.nan, np.float32) for n in (3, 3, 1, 1))
     for word, out in zip(words, (normal, albedo, number, depth)):
         native.image(job, out, word)
+    again = np.full_like(depth, np.nan)
+    native.image(job, again, "DEPTH", True)  # what is left of a picture so far is said of pictures
+    assert (again == depth).all()
     with pytest.raises(ValueError, match="did not ask for a plane 'UV'"):
         native.image(job, depth, "UV")
     native.free(job)
@@ -263,6 +266,18 @@ def test_depth_of_a_panorama_is_how_far_it_is():
     native.free(job)
     at = np.cos((np.arange(16) + 0.5) * 1.2 / 16 - 0.6)
     np.testing.assert_allclose(depth[..., 0], 3 / (at[:, None] * at), rtol=0.06)
+
+
+def test_planes_of_no_sample_are_dark():
+    """Where a job that was stopped has not been; no number is what a sample's share of nothing would be."""
+    job = native.start(busy(width=256, height=256, samples=1024, planes=[{"type": word} for word in ("ALBEDO", "NORMAL", "SAMPLES")]))
+    native.cancel(job)
+    finish(job)
+    for word, channels in (("ALBEDO", 3), ("NORMAL", 3), ("SAMPLES", 1)):
+        plane = np.full((256, 256, channels), np.nan, np.float32)
+        native.image(job, plane, word)
+        assert np.isfinite(plane).all() and (plane == 0).any(), word
+    native.free(job)
 
 
 def test_planes_of_objects_and_of_uv():

@@ -117,3 +117,16 @@ def test_poles_of_an_image_around_everything(wrap, share, filter_, to):
                    camera=ortho(1e-3, (0, 0, 0), (0, 0, to)))[8, 8]
     share = 1.0 if filter_ == "CLOSEST" else share
     np.testing.assert_allclose(seen, (share, 0, 1 - share) if to < 0 else (1 - share, 0, share), atol=1e-3)
+
+
+@pytest.mark.parametrize("what, sign", [("POSITION", 1), ("NORMAL", -1), ("INCOMING", -1)])
+@pytest.mark.parametrize("to", [1, -1])
+def test_nodes_of_a_sky_know_the_way(what, sign, to):
+    """As those of a wall about the eye that faces it; light below 0 is none, and none is brighter than 1e10."""
+    way = np.array([0.36, 0.48, 0.8]) * to
+    nodes = [{"type": "GEOMETRY", "what": what, "out": registers(3, 3)}]
+    for weight, light in ((registers(3, 3), np.maximum(sign * way, 0)), ([1e20, 3, -1], (1e10, 3, 0))):
+        shader = {"name": "world", "nodes": nodes, "closures": [{"closure": "EMISSION", "weight": weight}]}
+        seen, _ = render(scene(images=[image(np.ones((4, 8, 3), np.float32))], sky={**sky(), "shader": 2}, materials=[SURFACES["matt"], shader], meshes=[],
+                               lights=[], transparent=False, width=1, height=1, samples=1, camera=ortho(1e-4, eye=tuple(-3 * way))))
+        np.testing.assert_allclose(seen[0, 0, :3], light, rtol=1e-4, atol=1e-4)
