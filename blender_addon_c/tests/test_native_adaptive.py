@@ -9,7 +9,7 @@ from native_scenes import (
     FEWER, SANITIZED, area, few, finish, image, material, native, ortho, persp, render, scene, sky, sphere, square, sun)
 from test_native_closures import EMISSION, of
 
-COST = 3.8
+COST = 4.1
 
 SIDE = 32
 

@@ -26,7 +26,7 @@ from native_scenes import (
     sun,
 )
 
-COST = 3.1
+COST = 3.3
 
 
 def half_covered(x):

@@ -26,7 +26,7 @@ from native_scenes import (
     vectors,
 )
 
-COST = 2.1
+COST = 2.8
 
 
 def lit(planes, light=0):

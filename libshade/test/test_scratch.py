@@ -11,7 +11,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-COST = 2.6
+COST = 3.0
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
@@ -215,6 +215,33 @@ def test_bad_usage(tmp_path, options, expected):
     assert result.returncode == 2, result.stderr
     assert expected in result.stderr and result.stderr.startswith("shade scratch: ")
     assert result.stdout == "" and not any(tmp_path.iterdir())
+
+
+# Options, values that they take, and values just beyond; a person's, by the help
+ENDS = [
+    ("--size", ("1000x1", "1x1000", "16384"), ("1001x1", "1x1001", "0x1")), ("--pits", ("0", "1"), ("4000001",)), ("--radius", ("1e-6", ".5", ".1,.5"), ("9e-7", ".51", ".1,.2,.3")),
+    ("--stretch", ("1", "1e5"), (".99", "1.1e5")), ("--depth", ("0", ".99", "0,.99"), ("-.01", ".991")), ("--direction", ("-360", "360"), ("-361", "361")),
+    ("--spread", ("0", "90"), ("-1", "90.1")), ("--seed", ("0", "18446744073709551615"), ("18446744073709551616", "1.5")), ("--samples", ("1", "64"), ("65",)),
+    ("--threads", ("1", "256"), ("257",)), ("--bits", ("8", "16"), ("9", "168"))]
+
+
+@pytest.mark.parametrize("option, taken, beyond", ENDS)
+def test_ends_of_ranges(tmp_path, option, taken, beyond):
+    few = ("--size", "8", "--pits", "3")
+    for value in taken:
+        file = ("-o", tmp_path / "a.png") if option in ("--bits", "--threads", "--samples") else ("--eval",)
+        assert run(*file, *few, option, value, text=".5 .5\n").returncode == 0, value
+    for value in beyond:
+        result = run("--eval", *few, option, value, text=".5 .5\n")
+        assert result.returncode == 2 and f"{option} '{value}': expected " in result.stderr, value
+
+
+@pytest.mark.parametrize("options, expected", [
+    (("-o", "a.png", "--float"), "--half and --float are for EXR; a PNG has --bits"), (("--height", "h.exr", "--bits", "8"), "--bits is for PNG"),
+    (("-o", "a.exr", "--pits", "4000000", "--layer", "--pits", "1"), "more than 4000000 pits"), (("--eval", "--height", "h.exr"), "--eval and files do not go together")])
+def test_what_does_not_go_together(tmp_path, options, expected):
+    result = run(*options, cwd=tmp_path)
+    assert result.returncode == 2 and expected in result.stderr and not any(tmp_path.iterdir())
 
 
 def test_what_cannot_be_written(tmp_path):

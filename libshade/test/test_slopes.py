@@ -9,7 +9,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-COST = 12
+COST = 11.8
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
@@ -109,7 +109,7 @@ def test_the_lobe_widens_by_the_covariance(tmp_path):
     assert abs(1 / exponents[6] - 1 / 200 - plain[3]) < 1e-3
 
 
-@pytest.mark.parametrize("lobes", [1, 4, 6, 8])
+@pytest.mark.parametrize("lobes", [1, 4, 8])
 def test_several_lobes_keep_the_mean_and_no_more_than_the_covariance(tmp_path, lobes):
     n = normals(64, 64)
     picture = write(tmp_path / "a.exr", 0.5 + 0.5 * n, "float")
@@ -151,6 +151,19 @@ def test_several_lobes_keep_the_mean_and_no_more_than_the_covariance(tmp_path, l
 def test_bad_usage(arguments, expected):
     result = run(*arguments)
     assert result.returncode == 2 and expected in result.stderr and result.stdout == ""
+
+
+def test_ends_of_ranges(tmp_path):
+    picture = write(tmp_path / "a.exr", 0.5 + 0.5 * normals(8, 8), "float")
+    whole = "0.5 0.5 1 0 0 1\n"
+    assert run(picture, "--strength", "100", "--lobes", "8", "--defaults", "0", "--ax", "10", "--ay", ".0001", text=whole).returncode == 0
+    for option, beyond in (("--strength", "100.1"), ("--lobes", "0"), ("--defaults", "-1"), ("--ex", "-1"), ("--ey", "1.1e6"), ("--ax", "10.1")):
+        result = run(picture, option, beyond, text=whole)
+        assert result.returncode == 2 and f"{option} '{beyond}': expected " in result.stderr, option
+    # the version of the defaults leaves the distribution that was asked for, whichever comes first
+    ggx = ("--mdf", "ggx", "--ax", ".1", "--ay", ".3")
+    first, last = (run(picture, *words, text=whole).stdout for words in ((*ggx, "--defaults", "1"), ("--defaults", "1", *ggx)))
+    assert first == last != ""
 
 
 def test_bad_files(tmp_path):

@@ -12,7 +12,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-COST = 3.9
+COST = 4.6
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
@@ -301,6 +301,13 @@ def test_info():
     (["swatch", "denim", "-o", "x.png", "--size", "0"], "", 2, "16 to 2048"),
     (["swatch", "denim", "-o", "x.png", "--size", "1e3"], "", 2, "16 to 2048"),
     (["swatch", "denim", "-o", "x.png", "--size"], "", 2, "16 to 2048"),
+    (["swatch", "denim", "-o", "x.png", "--size", "15"], "", 2, "--size: expected a whole number from 16 to 2048"),
+    (["swatch", "denim", "-o", "x.png", "--size", "2049"], "", 2, "16 to 2048"),
+    (["swatch", "--all", "-o", "x.png", "--across", "17"], "", 2, "--across: expected a whole number from 1 to 16"),
+    (["swatch", "denim", "-o", "x.png", "--threads", "257"], "", 2, "--threads: expected a whole number from 1 to 256"),
+    (["swatch", "denim", "linen", "-o", "x.png"], "", 2, "one preset at a time, not also 'linen'"),
+    (["swatch", "denim", "-o", "x.png", "--alll"], "", 2, "unknown option '--alll'"),
+    (["fabric", "denim", "--precision", "single"], "", 2, "expected double or float, not 'single'"),
     (["swatch", "denim", "-o", "no/such/folder/x.png"], "", 1, "no/such/folder"),
     (["swatch", "denim", "-o", "x.gif"], "", 2, "x.gif"),
 ])
@@ -331,6 +338,20 @@ def test_sheet(name, tmp_path):
     assert np.abs(coded - srgb).max() < 0.006
 
 
+def test_the_light_goes_from_left_to_right(tmp_path):
+    """Across what hangs in folds: the side that the light is on is the brighter one."""
+    good("swatch", "linen", "-o", tmp_path / "a.exr", "--size", 32, "--threads", 256)
+    values, _ = pixels(tmp_path / "a.exr")
+    sides = []
+    for column in range(4):
+        tile = values[8 + 3 * 40 + 8:8 + 3 * 40 + 24, 8 + 40 * column:40 + 40 * column].mean((0, 2))  # the last row: far
+        sides.append(tile[4:16].sum() / tile[16:28].sum())
+    assert sides[0] > sides[1] > sides[2] > sides[3] and sides[0] > 1.2 and sides[3] < 0.9, sides
+    # a cylinder of 0.88 of half a tile: beside it there is ground
+    tile = values[8 + 3 * 40 + 16, 8:40, 0]
+    assert 27 <= (tile > 0.021).sum() <= 29
+
+
 def test_far_and_near_tiles_have_one_colour(tmp_path):
     """The same light, cloth and angles: only the distance differs."""
     good("swatch", "linen", "-o", tmp_path / "a.exr", "--size", 48)
@@ -345,6 +366,7 @@ def test_contact_sheet(tmp_path):
     good("swatch", "--all", "-o", tmp_path / "all.png", "--size", 16, "--across", 9)
     values, spec = pixels(tmp_path / "all.png")
     assert (spec.width, spec.height) == (18 * 24 + 8, 3 * 35 + 8)
+    assert b"shade swatch --all" in (tmp_path / "all.png").read_bytes()
     for row in range(3):
         for column in range(18):
             tile = values[8 + 35 * row:24 + 35 * row, 8 + 24 * column:24 + 24 * column]

@@ -15,7 +15,7 @@ import numpy
 import OpenImageIO
 import pytest
 
-COST = 2.5
+COST = 2.9
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SHADE = os.environ.get("SHADE", str(ROOT / "build" / "shade"))
@@ -629,6 +629,33 @@ def test_bad_usage(options, message):
     result = run(*options)
     assert result.returncode == 2
     assert message in result.stderr and result.stdout == ""
+
+
+# Options, values that they take, and values just beyond; a person's, by the help
+ENDS = [
+    ("--twist", ("S,.6", "z,90,0", "S,30,1000,plied", "none"), ("S,.59", "S,90.1", "Z,30,1000.5", "Z,30,-1", "S,30,1,single", "ZS", "none,")),
+    ("--width", ("1e-6", "1e6"), ("9e-7", "1.01e6")), ("--weft-curve", ("0", ".98"), ("-.01", ".981")), ("--warp-slant", ("-100", "100"), ("-100.1", "101")),
+    ("--crimp_length", (".01", "16"), (".009", "16.1")), ("--seed", ("0", "4294967295"), ("4294967296", "1.5")), ("--threads", ("1", "256"), ("0", "257")),
+    ("--size", ("65536", "1x65536"), ("65537", "1x0", "1x2x3")), ("--cells", ("1", "1000000x1"), ("0", "1000001")), ("--bits", (), ("9", "0", "24")),
+    ("--pattern", ("4095,1,0", "1,0,1", "inf,1,1", "1,1,-7"), ("4096,1,0", "0,1,1", "1,inf,1")), ("--precision", ("float",), ("fast",)),
+    ("--occlusion", ("none", "sky"), ("tilted",)), ("--map", (), ("colour",))]
+
+
+@pytest.mark.parametrize("option, taken, beyond", ENDS)
+def test_ends_of_ranges(option, taken, beyond):
+    of = [] if option == "--pattern" else ["--name", "plain"]
+    for value in taken:
+        result = run(*of, option, value, text="0 0\n")
+        assert result.returncode == 0 and result.stderr == "", (value, result.stderr)
+    for value in beyond:
+        result = run(*of, option, value, text="0 0\n")
+        assert result.returncode == 2 and f"{option} '{value}': expected " in result.stderr, value
+
+
+def test_a_twist_without_numbers_is_of_30_degrees():
+    points = [(0.1 * k, 0.07 * k) for k in range(9)]
+    assert look_up(points, "--name", "plain", "--twist", "Z") == look_up(points, "--name", "plain", "--twist", "Z,30,1") != look_up(points, "--name", "plain")
+    assert look_up(points, "--name", "plain", "--twist", "Z,45") != look_up(points, "--name", "plain", "--twist", "Z")
 
 
 @pytest.mark.parametrize("text, message", [
