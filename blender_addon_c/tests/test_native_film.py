@@ -198,6 +198,7 @@ def test_cancel_stops_before_the_picture_is_whole():
     print(f"cancelled after {time.monotonic() - start:.3f} s")
     state = native.poll(job)
     assert state["state"] == "cancelled" and state["progress"] < 1
+    assert state["sample"] == int(state["progress"] * state["samples"])  # those that all pixels have
     out = np.empty((2000, 2000, 4), np.float32)
     native.image(job, out)
     assert np.isfinite(out).all()
@@ -266,6 +267,30 @@ def test_depth_of_a_panorama_is_how_far_it_is():
     native.free(job)
     at = np.cos((np.arange(16) + 0.5) * 1.2 / 16 - 0.6)
     np.testing.assert_allclose(depth[..., 0], 3 / (at[:, None] * at), rtol=0.06)
+
+
+def plane_of(word, channels, **changes):
+    job = native.start(scene(width=5, height=5, samples=1, planes=[{"type": word}], **changes))
+    assert finish(job)["state"] == "done"
+    out = np.full((5, 5, channels), np.nan, np.float32)
+    native.image(job, out, word)
+    native.free(job)
+    return out
+
+
+ROUND = {"type": "PANO", "panorama": "FISHEYE_EQUIDISTANT", "fov": 0.6, "focal": 1.0, "range": [0.0] * 4, "sensor": (1.0, 1.0), "polynomial": [0.0] * 5, "frame": [0, 1, 0, 1]}
+
+
+def test_distance_of_a_panorama_is_from_where_rays_begin():
+    found = plane_of("DISTANCE", 1, camera=ortho(clip=(0.5, 100)) | ROUND, meshes=[square(9.0)])[..., 0]
+    assert found[2, 2] == pytest.approx(2.5, rel=0.01) and found[0, 2] == pytest.approx(3 / np.cos(0.24) - 0.5, rel=0.05)
+
+
+def test_no_surface_reflects_more_than_all():
+    """Of several that add up the colour that a denoiser is told is 1 at most, of each channel."""
+    white = {key: value for key, value in material(f0=(0, 0, 0), fresnel="NONE", kd=(0.8, 0.7, 0.3)).items() if key not in ("name", "nodes")}
+    found = plane_of("ALBEDO", 3, materials=[{"name": "two", "nodes": [], "closures": [white, white]}])
+    np.testing.assert_allclose(found[2, 2], (1, 1, 0.6), rtol=1e-5)
 
 
 def test_planes_of_no_sample_are_dark():

@@ -161,3 +161,10 @@ def test_what_an_object_is_that_says_nothing():
         given["instances"][0] |= {"color": (0.5, 0.25, 1, 1), "random": 0.75, "pass_index": 3}
         shown.append(render(given)[0][0, 0, :3].tolist())
     assert shown == [[1, 1, 1], [0.5, 0.25, 1], [1, 0, 0], [1, 3, 0.75]], shown  # alpha, index, random
+
+
+@pytest.mark.parametrize("of, name, said", [("metal", "denim", "no metal 'denim'"), ("metal", "mithril", "no metal 'mithril'"), ("cloth", "brushed_steel", "no cloth 'brushed_steel'"),
+                                            ("cloth", "canvas", "no cloth 'canvas'"), ("cloth_albedo", "brushed_steel", "no cloth 'brushed_steel'")])
+def test_presets_of_the_other_kind(of, name, said):
+    with pytest.raises(ValueError, match=said):
+        getattr(native, of)(name)
