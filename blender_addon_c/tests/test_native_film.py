@@ -95,6 +95,8 @@ def test_seed_changes_the_samples_and_not_the_picture():
     b, _ = render(busy(samples=64, seed=2))
     assert (a != b).any()
     assert abs(a.mean() - b.mean()) < 0.01 * a.mean()
+    of = {seed: render(busy(samples=1, seed=seed))[0] for seed in (1, -1, 2**32 + 1, 2**32 - 1)}  # by the lowest 32 bits
+    assert (of[1] == of[2**32 + 1]).all() and (of[-1] == of[2**32 - 1]).all() and (of[1] != of[-1]).any()
 
 
 def test_stratified_samples_beat_random_ones():
