@@ -141,6 +141,13 @@ def sky(picture, strength=1.0, turn=0.0, seen=(0.05, 0.05, 0.05)):
     link(mix.outputs[0], output.inputs["Surface"])
 
 
+def room(color):
+    """An even light from everywhere, in each Blender: since 5.0 a world's own colour is not read."""
+    world = bpy.context.scene.world = bpy.data.worlds.new("room")
+    world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (*color, 1)
+
+
 def lamp(power, location, aim, size, color=(1, 1, 1)):
     data = bpy.data.lights.new("lamp", "AREA")
     data.energy, data.size, data.color = power, size, color

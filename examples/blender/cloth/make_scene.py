@@ -100,9 +100,7 @@ def build(near):
     camera.rotation_euler = (math.pi / 2, 0, 0)
     scene.collection.objects.link(camera)
     scene.camera = camera
-    world = scene.world = bpy.data.worlds.new("room")
-    world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.1, 0.1, 0.1, 1)
+    parts.room((0.1, 0.1, 0.1))
 
 
 def main(path, near):

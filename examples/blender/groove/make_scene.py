@@ -115,8 +115,7 @@ def main(picture, across):
     camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 3.24, (0, 0, 3)
     scene.collection.objects.link(camera)
     scene.camera = camera
-    scene.world = bpy.data.worlds.new("world")
-    scene.world.color = (0.06, 0.065, 0.075)
+    parts.room((0.06, 0.065, 0.075))
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.max_bounces = 128, False, 0
     scene.render.resolution_x, scene.render.resolution_y = 972, 324

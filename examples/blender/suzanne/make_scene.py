@@ -156,9 +156,7 @@ def build(folder):
     add_camera((0.9, -6.2, 2.6), (0.0, 0.0, 0.72), 55.0)
 
     scene = bpy.context.scene
-    world = bpy.data.worlds.new("World")
-    world.color = (0.012, 0.014, 0.018)
-    scene.world = world
+    parts.room((0.012, 0.014, 0.018))
     scene.render.resolution_x, scene.render.resolution_y = 960, 720
     scene.view_settings.view_transform = "Standard"
 

@@ -65,9 +65,7 @@ def build():
     place.location = (3.5, -3, 5)
     scene.collection.objects.link(place)
 
-    world = scene.world = bpy.data.worlds.new("sky")
-    world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.35, 0.45, 0.6, 1)
+    parts.room((0.35, 0.45, 0.6))
 
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.location, camera.rotation_euler, camera.data.lens = (0.1, -8.6, 4.3), (1.13, 0, 0.0), 46
