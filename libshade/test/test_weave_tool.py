@@ -498,12 +498,32 @@ def test_wif_thickness_and_spacing_set_the_widths(tmp_path):
             assert alone == look_up(points, "--draft", path, *(part for pair in both.items() for part in pair)) != answers, (yarn, option)
 
 
-def test_example_drafts():
-    files = sorted(WEAVES.glob("*.wif"))
-    assert len(files) >= 8
-    for path in files:
-        rows = printed("--draft", path)
-        assert any(any(row) for row in rows) and not all(all(row) for row in rows)
+# As a weaver draws them, the last pick on top, and the colours of ends from the left and of picks from the first on
+LIGHT, DARK = (240, 236, 226), (28, 26, 28)
+DRAFTS = {
+    "plain": ("X. .X", None, None),
+    "basket-liftplan": ("XX.. XX.. ..XX ..XX", None, None),
+    "twill-2-2": (".XX. XX.. X..X ..XX", None, None),
+    "satin-5": ("XXX.X X.XXX XXXX. XX.XX .XXXX", None, None),
+    "satin-8-sinking": ("XXXXX.XX XX.XXXXX XXXXXXX. XXXX.XXX X.XXXXXX XXXXXX.X XXX.XXXX .XXXXXXX", None, None),
+    "denim": ("XXX. XX.X X.XX .XXX", [(43, 56, 98)] * 4, [(236, 233, 222)] * 4),
+    "herringbone": ("..XX..XX..XX..XX .XX..XX.X..XX..X XX..XX..XX..XX.. X..XX..X.XX..XX.", [(206, 200, 190)] * 16, [(74, 70, 68)] * 4),
+    "houndstooth": (".XX..XX. XX..XX.. X..XX..X ..XX..XX " * 2, [DARK] * 4 + [LIGHT] * 4, [DARK] * 4 + [LIGHT] * 4)}
+
+
+def test_example_drafts(tmp_path):
+    assert {path.stem for path in WEAVES.glob("*.wif")} == set(DRAFTS)
+    for name, (drawn, ends, picks) in DRAFTS.items():
+        draft, rows = WEAVES / f"{name}.wif", drawn.split()
+        assert printed("--draft", draft) == [[c == "X" for c in row] for row in reversed(rows)], name
+        if ends:  # a pixel of each crossing
+            assert run("--draft", draft, "--map", "color", "--size", f"{len(ends)}x{len(picks)}", "-o", tmp_path / "map.png").returncode == 0
+            seen = OpenImageIO.ImageBuf(str(tmp_path / "map.png")).get_pixels(OpenImageIO.UINT8)
+            assert [[tuple(pixel) for pixel in row] for row in seen] == [
+                [end if c == "X" else pick for c, end in zip(row, ends)] for row, pick in zip(rows, reversed(picks))], name
+    # denim: ends lie close, picks of .45 mm every .556 mm; between these one sees the end below
+    edge = 0.5 - 0.45 / 0.556 / 2
+    assert [answer[0] for answer in look_up([(0.5, edge - 0.02), (0.5, edge + 0.02), (1.02, 0.5)], "--draft", WEAVES / "denim.wif")] == ["warp", "weft", "warp"]
 
 
 # ---- maps ----------------------------------------------------------------------------------------
