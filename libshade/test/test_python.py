@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Python module: its structures and prototypes against a C compiler and the headers, what it shades against the
 reference (through the tool), arrays of all shapes, errors."""
+import contextlib
 import doctest
 import inspect
+import itertools
 import math
 import os
 import pathlib
@@ -91,6 +93,11 @@ def test_no_library(name, says, monkeypatch):
     with pytest.raises((ImportError, OSError), match=says) as failed:
         _library.load(_library.found())
     assert name in str(failed.value)
+
+
+def test_a_library_of_another_version():
+    with pytest.raises(ImportError, match="libm.so.6 has no shade_params_init: it is of another version than this module"):
+        _library.load("libm.so.6")
 
 
 def test_which_library(tmp_path, monkeypatch):
@@ -310,7 +317,8 @@ def test_materials():
     assert other.detail == "gram_schmidt" and other.ax == pytest.approx(math.sqrt(2 / 100)) and other.ay == 0.5
     assert material.detail == "rotate" and material.ax == 0.2
     assert shade.D(pickle.loads(pickle.dumps(other)), N, WI).tolist() == shade.D(other, N, WI).tolist()
-    assert eval(repr(other)).json() == other.json() and other.json(7, "it")["name"] == "it"
+    assert all(eval(repr(made)).json() == made.json() for made in (other.replace(slopes=(0, 0, .1, 0, 0)), other.replace(slopes=(.1, 0, .2, .1, .3))))
+    assert "slopes" not in repr(other) and eval(repr(other)).json() == other.json() and other.json(7, "it")["name"] == "it"
     # the version of the defaults: of what is not said, of a preset too, and not of what is
     assert material.brdf == "auto" and shade.Material(preset="brushed_steel").brdf == "auto"
     older = shade.Material(mdf="ggx", defaults=0)
@@ -333,8 +341,13 @@ def test_materials():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert deaf.replace(ax=.2).replace(mdf="ggx").multiscatter == "on" and pickle.loads(pickle.dumps(deaf)).mdf == "ward"
-        with pytest.raises(UserWarning, match="with mdf ggx and brdf ward_dur"):
-            shade.Material(mdf="ggx", brdf="ward-dur", multiscatter="on")
+        for mdf, brdf, quiet in (("ggx", "auto", True), ("ggx", "microfacet", True), ("beckmann", "microfacet", True), ("ggx", "ward-dur", False), ("ward-half", "auto", False)):
+            lost = f"with mdf {mdf} and brdf {brdf}".replace("-", "_")
+            for make in (lambda: shade.Material(mdf=mdf, brdf=brdf, multiscatter="on"), lambda: shade.Material(mdf="ggx", multiscatter="on").replace(mdf=mdf, brdf=brdf)):
+                with contextlib.nullcontext() if quiet else pytest.raises(UserWarning, match=lost):
+                    make()
+        with pytest.raises(UserWarning, match="with mdf ward"):
+            shade.Material(mdf="ggx", multiscatter="on").replace(mdf="ward")
     gold = shade.Material(metal="gold")
     assert gold.fresnel == "conductor" and gold.k == shade.metals()["gold"].k
     assert shade.Material(preset="brushed_steel").ex > 100
@@ -360,7 +373,11 @@ def test_materials():
     ({"detail": "rotat"}, ValueError, "detail: 'rotat' given; expected one of none, perturb"),
     ({"roughness": ("maya", 1, 0)}, ValueError, "roughness: 'maya' given; expected one of blender_principled"),
     ({"roughness": 0.5}, ValueError, "roughness: 0.5 given"),
-    ({"preset": "denim"}, ValueError, "preset: 'denim' given"),
+    ({"preset": "denim"}, ValueError, "preset: 'denim' given; expected a metal of"), ({"preset": "tin"}, ValueError, "preset: 'tin' given"),
+    ({"roughness": ("gltf", 0.5)}, ValueError, r"roughness: .* expected \(convention, roughness, anisotropy\)"),
+    ({"slopes": (0, 0, 1, 2, 1)}, ValueError, "slopes: .* and xy at most"), ({"slopes": 0.1}, ValueError, "slopes: 0.1 given; expected x, y"),
+    ({"defaults": 1.0}, ValueError, "defaults: 1.0 given"), ({"mdf": 1}, ValueError, "mdf: 1 given; expected one of ashikhmin_shirley"),
+    ({"ey": 5, "ay": 0.5}, TypeError, "ey and ay given; expected one of them"),
     ({"defaults": 2}, ValueError, "defaults: 2 given; expected a whole number from 0 to 1"),
     ({"defaults": True}, ValueError, "defaults: True given"),
     ({"metal": "cheese"}, ValueError, "metal: 'cheese' given; expected one of silver"),
@@ -392,6 +409,7 @@ def test_bad_arrays():
             (lambda: shade.D(material, N, 1.0), r"h: an array of shape \(\)"),
             (lambda: shade.D(material, N + 0j, WI), "(?s)n: .* expected numbers"),
             (lambda: shade.eval(material, N, WI, WO, f0=np.uint8([255, 0, 0])), "f0: an array of uint8 .* divide by 255"),
+            (lambda: shade.eval(material, N, WI, WO, kd=np.uint16([255, 0, 0])), "kd: an array of uint16 .* divide by 65535"),
             (lambda: shade.D(material, N[:3], WI[:4]), r"do not fit each other.*n \(3,\), h \(4,\)"),
             (lambda: shade.D(material, N, ["a", "b", "c"]), "h: .* expected numbers"),
             (lambda: shade.eval(material, N, WI, WO, parts="shiny"), "parts: 'shiny' given")):
@@ -489,8 +507,11 @@ def test_cloth_parameters():
             ({"pattern": (0, 1, 1)}, ValueError, "pattern: .* given"),
             ({"pattern": 3}, ValueError, "pattern: 3 given"),
             ({"draft": [1, 0]}, ValueError, r"draft: shape \(2,\) given"),
-            ({"preset": "brushed_steel"}, ValueError, "preset: 'brushed_steel' given"),
-            ({"weave": "plain", "pattern": (1, 1, 1)}, TypeError, "one of weave, pattern"),
+            ({"draft": [[]]}, ValueError, r"draft: shape \(1, 0\) given; expected \(picks, ends\)"),
+            ({"preset": "brushed_steel"}, ValueError, "preset: 'brushed_steel' given; expected a cloth of"),
+            ({"preset": "felt"}, ValueError, "preset: 'felt' given"),
+            *((dict(several), TypeError, "one of weave, pattern, draft and wif, not several")
+              for several in itertools.combinations({"weave": "plain", "pattern": (1, 1, 1), "draft": [[1, 0]], "wif": "a.wif"}.items(), 2)),
             ({"defaults": -1}, ValueError, "defaults: -1 given"),
             ({"shine": 1}, TypeError, "'shine': no such parameter")):
         with pytest.raises(error, match=says):
@@ -498,6 +519,27 @@ def test_cloth_parameters():
     with pytest.raises(ValueError, match="tier: 'high' given"):
         bright.eval([0, 0], WI, WO, tier="high")
     assert {row.kind for row in shade.presets().values()} == {"fabric", "metal"} and "plain" in shade.weaves()
+
+
+def test_rows_of_presets():
+    """Of denim, which has more ends than picks; of turned copper, whose colour is Johnson's and Christy's."""
+    row = shade.presets()["denim"]
+    assert (row.kind, row.label, row.weave, row.ends_per_cm, row.picks_per_cm, row.scratch_cm, row.turned) == ("fabric", "Cotton denim", "twill_3_1", 26, 17, 0, False)
+    assert "indigo" in row.help and "SadeghiJensen2013" in row.source and row.color_source == "dye by eye"
+    row = shade.presets()["turned_copper"]
+    assert (row.kind, row.label, row.weave, row.scratch_cm, row.turned) == ("metal", "Turned copper", None, 4, True)
+    assert "lathe" in row.help and "Ward1992" in row.source and row.color_source == "[JohnsonChristy1972]"
+
+
+def test_what_lies_over_what_is_said_in_many_ways():
+    """A weave goes before that of a preset; of a draft what is not 0 is up."""
+    where = [[(end + 0.5, pick + 0.5) for end in range(4)] for pick in range(4)]
+    lies = lambda **given: shade.fabric(**given).look_up(where)["top"].tolist()
+    plain, twill = lies(), lies(weave="twill_3_1")
+    assert sorted(map(sum, plain)) == [2] * 4 and sorted(map(sum, twill)) == [3] * 4
+    assert lies(preset="denim") == twill and lies(preset="denim", weave="plain") == plain
+    assert lies(draft=[[-1, 0, 0, 0.5]]) == [[1, 0, 0, 1]] * 4 and lies(draft=np.eye(4)[:1].T) == [[int(pick == 0)] * 4 for pick in range(4)]
+    assert shade.Material(mdf=" GGX\n").mdf == "ggx"
 
 
 def test_options_of_cloth():
@@ -584,6 +626,7 @@ def test_pixels_of_whole_numbers():
     for pixels, normals, says in (
             (coloured, "signed", 'an array of uint8 given; expected floats, or with normals "colour"'),
             (coloured.astype(int), "colour", "an array of int64 given"), (coloured * 1.0, "colour", "colours up to 250 given"),
+            (coloured * 0.01, "colour", "colours up to 2.5 given; expected 0 to 1"), (coloured[..., :1] / 255, "colour", "or more"),
             (coloured[..., 0] / 255, "colour", r"shape \(5, 4\) given; expected \(height, width, 2 or more\)")):
         with pytest.raises(ValueError, match=says):
             shade.SlopeMap(pixels, normals=normals)
@@ -706,6 +749,29 @@ def test_split_keeps_the_moments():
     assert whole - np.diag([1 / 200, 1 / 50]) == pytest.approx(np.array([[0.01, 0.006], [0.006, 0.02]]), abs=1e-3)
     with pytest.raises(ValueError, match="most: 9 given; expected a number from 1 to 8"):
         shade.split(material, None, [0, 0, 0], 9)
+
+
+def test_scratches_by_default():
+    """One layer, in the first of its ways; each way another. A picture has a texel and a point at least."""
+    seen = [shade.Scratches(seed=seed, cells=0).picture(16, 8)[0] for seed in (None, 1, 0, 1 << 40)]
+    assert seen[0].any() and np.array_equal(seen[0], seen[1]) and not any(np.array_equal(seen[0], other) for other in seen[2:])
+    field = shade.Scratches(cells=0)
+    for size, samples in (((0, 8), 1), ((8, 0), 1), ((8, 8), 0)):
+        with pytest.raises(ValueError, match=f"picture: {size[0]} x {size[1]}, {samples} samples given; expected 1 or more"):
+            field.picture(*size, samples=samples)
+    with pytest.raises(ValueError, match="layers: 9 given; expected at most 8"):
+        shade.Scratches(*[{"pits": 1}] * 9)
+    assert [array.dtype for array in (*field.look_up(np.float32([[0.5, 0.5]])), *field.look_up([0.5, 0.5]))] == [np.float32] * 2 + [np.float64] * 2
+
+
+def test_a_split_lobe_in_its_own_numbers():
+    """Exponents of Ashikhmin's and Shirley's, alphas of all others; lobes that are not needed point up and weigh nothing."""
+    for mdf, narrow in (("ashikhmin_shirley", {"ex": 200, "ey": 50}), ("ggx", {"ax": 0.1, "ay": 0.2}), ("beckmann", {"ax": 0.1, "ay": 0.2})):
+        lobes = shade.split(shade.Material(mdf=mdf, **narrow), np.float32([0, 0, 1]), np.float32([0, 0, 0]), 4)
+        assert (lobes.x, lobes.y) == pytest.approx(tuple(narrow.values())) and lobes.x.dtype == np.float64, mdf
+        assert lobes.weight.tolist() == [1, 0, 0, 0] and lobes.n.tolist() == [[0, 0, 1]] * 4, mdf
+        short, whole = (shade.split(shade.Material(mdf=mdf, **narrow), given([0, 0.25, 1]), given([0.125, 0, 0.25]), 4) for given in (np.float32, np.float64))
+        assert short.n.tolist() == whole.n.tolist() and short.x == whole.x, mdf
 
 
 def test_scratches():

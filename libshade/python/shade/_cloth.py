@@ -22,7 +22,6 @@ DrawnLight = NamedTuple("DrawnLight", [("wi", Floats), ("s", Floats), ("pdf", Fl
 Info = NamedTuple("Info", [("warp_lobes", int), ("weft_lobes", int), ("warp_share", float), ("weft_share", float),
                            ("warp_single", tuple[float, ...]), ("weft_single", tuple[float, ...])])
 TIERS = {"auto": (0,), "near": (1,), "far": (2,), "single": (3,)}
-TOPS = ("weft", "warp", "gap")
 CHOICES = ("mdf", "brdf", "detail", "horizon")
 
 
