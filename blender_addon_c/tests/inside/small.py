@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Functions of the add-on that need little of Blender, by tables: small.py."""
 
+import fnmatch
 import math
 import os
 import sys
 import threading
 from types import SimpleNamespace as Of
+from unittest import mock
 
 import bpy
 import numpy as np
@@ -651,6 +653,201 @@ def test_what_the_report_shows():
     assert [report.in_digits(number) for number in (0, 0.5, 12.345, 999.4, 1234567, 1.25e-5, 1e-9)] == ["0", "0.5", "12.3", "999", "1,234,567", "0.000013", "0"]
     said = [report.failure(error)[0] for error in (MemoryError(), MemoryError("a  map"), ValueError("odd\nthing"))]
     assert said[:2] == ["out of memory", "out of memory: a map"] and said[2] == "internal error: ValueError: odd thing (Copy Report is in the Render properties)"
+
+
+# Of each node of ours what its properties are called and are at first, and of numbers their range, how far sliders go and what they count; None: not of this kind
+PROPERTIES = {
+    "LibshadeMetalNode": {
+        "distribution": ("Distribution", "ASHIKHMIN_SHIRLEY"), "brdf": ("BRDF", "ASHIKHMIN_SHIRLEY"), "detail": ("Detail Method", "ROTATE"), "groove": ("Stroke Axis", "AUTO"),
+        "fresnel": ("Fresnel", "SCHLICK"), "diffuse": ("Diffuse Model", "LAMBERT"), "horizon": ("Horizon", "VALID_ESTEVEZ"), "multiscatter": ("Multiscatter", "OFF"),
+        "ex": ("Exponent Along U", 200, 0, 1e6, 1e6), "ey": ("Exponent Across U", 10, 0, 1e6, 1e6), "ax": ("Alpha Along U", 202**-0.5 * 2**0.5, 1e-4, 10, 10),
+        "ay": ("Alpha Across U", 6**-0.5, 1e-4, 10, 10), "f82": ("Edge Tint", (1, 1, 1), 0, 1, 1, "COLOR"), "eta": ("Index of Refraction", (0.5, 0.5, 0.5), 1e-3, 100, 100),
+        "k": ("Extinction", (3, 3, 3), 0, 100, 100), "kd": ("Diffuse Color", (0, 0, 0), 0, 1, 1, "COLOR"), "grain": ("Grain", "UV"), "uv_map": ("UV Map", ""),
+        "bump_response": ("Bump Response", "FOLLOW"), "bumps_are": ("Bumps Are", "RELIEF"), "strokes": ("Strokes", 0, 0, 1, 1, "FACTOR"), "stroke_width": ("Width mm", 60, 0.01, 1e5, 1000),
+        "width_as": ("Width as", "ROUGHNESS"), "shown_ax": ("Alpha Along U", 0, -4, 1, 1, "FACTOR"), "shown_ay": ("Alpha Across U", 0, -4, 1, 1, "FACTOR"),
+        "shown_ex": ("Exponent Along U", 0, -2, 6, 6, "FACTOR"), "shown_ey": ("Exponent Across U", 0, -2, 6, 6, "FACTOR")},
+    "LibshadeFabricNode": {
+        "preset": ("Cloth", "SILK_CHARMEUSE"), "weave": ("Weave", "PLAIN"), "draft": ("Draft", None), "draft_colors": ("Draft Colors", True), "ends_per_cm": ("Ends per cm", 20, 0.1, 1000, 200),
+        "picks_per_cm": ("Picks per cm", 20, 0.1, 1000, 200), "size_mode": ("Size", "LENGTH"), "size": ("Length per Unit", 0.2, 1e-4, 1e4, 10, "DISTANCE"),
+        "repeats": ("Repeats", (50, 50), -1e6, 1e6, 1e6), "distance": ("Distance", "AUTO"), "transmission": ("Translucency", 0, 0, 1, 1, "FACTOR"), "open_gaps": ("Open Gaps", False),
+        **{f"{yarn}_{word}": said for yarn in ("warp", "weft") for word, said in {
+            "width": ("Width", 1, 1e-6, 1e6, 1, "FACTOR"), "gap": ("Gap", 0, 0, 1e6, 1, "FACTOR"), "twist": ("Twist", 0, -math.pi / 2, math.pi / 2, math.pi / 2, "ANGLE"),
+            "segments": ("Strands", 1, 0, 1000, 8), "crimp": ("Crimp", 0, 0, 0.98, 0.98, "FACTOR"), "slub": ("Slub", 0, 0, 1, 1, "FACTOR"),
+            "vary_brightness": ("Varied Brightness", 0, 0, 1, 1, "FACTOR"), "vary_tilt": ("Varied Tilt", 0, 0, 1, 1, "FACTOR"), "curve": ("Roundness", 0.5, 0, 0.98, 0.98, "FACTOR"),
+            "ridge": ("Strand Relief", 0.2, 0, 0.98, 0.98, "FACTOR"), "crimp_length": ("Crimp Length", 0.5, 0.01, 16, 16), "along_brightness": ("Brightness Along", 0, 0, 1, 1, "FACTOR"),
+            "along_tilt": ("Tilt Along", 0, 0, 1, 1, "FACTOR"), "along_length": ("Variation Length", 4, 0.01, 1e6, 32), "fuzz": ("Fibres in Gaps", 0, 0, 1, 1, "FACTOR"),
+            "along": ("Exponent Along", 100, 0, 1e6, 1000), "across": ("Exponent Across", 10, 0, 1e6, 100)}.items()}},
+    "LibshadeScratchesNode": {
+        "unit": ("Vector In", "UV"), "size": ("Size", 0.1, 1e-4, 1e4, 10, "DISTANCE"), "uv_map": ("UV Map", ""), "seed": ("Seed", 1, -2**31, 2**31 - 1, 2**31 - 1),
+        "tile": ("Tile", 0, 0, 1000, 10, "DISTANCE")}}
+# Choices of its own, in their order
+CHOICES = {"grain": "UV, Radial X, Radial Y, Radial Z, Object X, Object Y, Object Z", "bump_response": "Follow, Ignore", "bumps_are": "Relief, Shape", "width_as": "Roughness, Alpha, Exponents",
+           "size_mode": "Length, Real World, Repeats", "distance": "Automatic, Near, Far", "unit": "UV, Lengths"}
+WIDTHS = {"LibshadeMetalNode": ("Libshade Metal (brushed, anisotropic)", 230), "LibshadeFabricNode": ("Libshade Fabric (woven cloth)", 200), "LibshadeScratchesNode": ("Libshade Scratches", 240)}
+# Of sockets that are numbers: at first, and of scratches their range
+SOCKETS = {"LibshadeMetalNode": {"Roughness": 0.4489427, "Anisotropy": 0.5063064, "Rotation": 0},
+           "LibshadeFabricNode": {"Gloss": 1, "Fuzz": 0, "Translucency": 0, "Alpha": 1, "Scale": 1, "Rotation": 0},
+           "LibshadeScratchesNode": {"Amount": (1, 0, 1), "Density per cm²": (20, 0, 1e6), "Length mm": (8, 1e-3, 1e4), "Width mm": (0.03, 1e-3, 1e3), "Depth": (0.15, 0, 0.99),
+                                     "Direction": (0, -200 * math.pi, 200 * math.pi), "Spread": (math.pi / 2, 0, math.pi / 2)}}
+
+
+def test_what_nodes_of_ours_have():
+    """Names, defaults and ranges, as the manual tells them; what a node keeps for itself is hidden."""
+    common.empty_scene()
+    tree = common.tree_of(bpy.data.materials.new("of ours"))
+    for kind, table in PROPERTIES.items():
+        node = tree.nodes.new(kind)
+        assert (node.bl_label, node.bl_width_default, node.width) == (*WIDTHS[kind], WIDTHS[kind][1])
+        found = {p.identifier: p for p in node.bl_rna.properties if p.identifier in type(node).__annotations__}
+        assert {name for name, p in found.items() if not p.is_hidden} == set(table), kind
+        for name, (label, initial, *numbers) in table.items():
+            p = found[name]
+            assert p.name == label and len(p.description) > 4 and not p.description.endswith("."), (kind, name)
+            if not numbers:
+                assert getattr(p, "default", None) == initial, (kind, name)
+                continue
+            assert close(p.default_array[:] if isinstance(initial, tuple) else p.default, initial), (kind, name)
+            subtype = (*numbers[3:], "NONE")[0]
+            assert close((p.hard_min, p.hard_max, p.soft_min, p.soft_max), (*numbers[:2], numbers[0], numbers[2])) and p.subtype == subtype, (kind, name)
+            assert p.unit == {"DISTANCE": "LENGTH", "ANGLE": "ROTATION"}.get(subtype, "NONE"), (kind, name)
+        for name in set(CHOICES) & set(table):
+            assert ", ".join(item.name for item in found[name].enum_items) == CHOICES[name]
+            assert all(item.description for item in found[name].enum_items), name
+        numbers = {socket.name: socket for socket in node.inputs if socket.type == "VALUE"}
+        assert set(numbers) == set(SOCKETS[kind])
+        inside = node.node_tree.interface.items_tree if hasattr(node.node_tree, "interface") else node.node_tree.inputs
+        for name, wanted in SOCKETS[kind].items():
+            assert close(numbers[name].default_value, wanted[0] if isinstance(wanted, tuple) else wanted), (kind, name)
+            asked = next(socket for socket in inside if socket.name == name)
+            assert not isinstance(wanted, tuple) or close((asked.min_value, asked.max_value), wanted[1:]), name
+        assert [socket.name for socket in node.inputs if socket.hide_value] == [name for name in ("Vector", "Normal", "Tangent") if name in node.inputs]
+
+
+def test_presets_of_scratches():
+    """How many a square centimetre, how long and wide in millimetres, how deep in half widths, which way and how far to either side."""
+    common.empty_scene()
+    tree = common.tree_of(bpy.data.materials.new("scratched"))
+    node, field = tree.nodes.new("LibshadeScratchesNode"), module("scratches.field")
+    for word, label, numbers in (("Fine polish", "Fine Polish", (1200, 4, 0.012, 0.06, 0, math.pi / 2)), ("brushed", "Brushed", (500, 25, 0.03, 0.12, 0, math.radians(2))),
+                                 ("used", "Used", (20, 8, 0.03, 0.15, 0, math.pi / 2)), ("DEEP", "Deep", (1.5, 25, 0.15, 0.35, 0.3, 0.9))):
+        node.preset = word
+        assert node.preset == word.upper().replace(" ", "_") and field.PRESETS[node.preset][0] == label
+        assert close([node.inputs[name].default_value for name in ("Density per cm²", "Length mm", "Width mm", "Depth", "Direction", "Spread")], numbers, rtol=3e-3), word
+    assert raised(setattr, node, "preset", "worn") == "preset: 'worn' is none of FINE_POLISH, BRUSHED, USED, DEEP" and node.preset == "DEEP"
+    # what the module gets: within ranges, what is no number as at first, a tile of its own before that of its images
+    said = field.description(node, 0.5, {"Density per cm²": -1, "Length mm": math.nan, "Width mm": 2e3, "Depth": 1, "Direction": math.inf, "Spread": 0.2})
+    assert said == {"density": 0, "length": 8, "width": 1e3, "depth": 0.99, "direction": 0, "spread": 0.2, "seed": 1, "tile": 0}
+    for baked, tile, wanted in (("", 0, 0), ("[1, 0.25]", 0, 0.25), ("[1, 0.25]", 3, 1.5), ("[]", 0, 0), ("[null]", 0, 0), ("{", 0, 0)):
+        node.baked, node.tile = baked, tile
+        assert field.tile_of(node, 0.5) == wanted, baked
+    assert [field.metres(Of(unit=unit, size=size), 0.5) for unit, size in (("UV", 3.0), ("UV", math.nan), ("METRES", 3.0))] == [1.5, 0.5, 0.5]
+
+
+def test_what_dialogs_ask():
+    """Of an operator: names and defaults of what it asks, and of numbers their range."""
+    common.enable()
+    for word, table in (("bake_scratches", {"size": ("Size", "2048"), "samples": ("Samples", 3, 1, 8), "tile": ("Tile", 0, 0, 1000), "points": ("Seen from Afar", False)}),
+                        ("convert_to_group", {"all_materials": ("All Materials", False)}), ("follow_bumps", {"take_away": ("Take Away", False), "strokes": ("Strokes", "TANGENT")}),
+                        ("measured_metal", {"metal": ("Metal", "SILVER")}), ("metal_preset", {"preset": ("Metal", "BRUSHED_STEEL")}), ("scratches_preset", {"preset": ("Scratches", "FINE_POLISH")}),
+                        ("import_wif", {}), ("measure_cloth", {}), ("update_nodes", {}), ("copy_cycles_settings", {}), ("add_studio_light", {}), ("select_cause", {})):
+        properties = getattr(bpy.ops.libshade, word).get_rna_type().properties
+        assert {p.identifier for p in properties if not p.is_hidden and p.identifier != "rna_type"} == set(table), word
+        for name, wanted in table.items():
+            p = properties[name]
+            assert (p.name, p.default, *((p.hard_min, p.hard_max) if len(wanted) > 2 else ())) == wanted and (p.description or p.type == "ENUM"), (word, name)
+    sizes = bpy.ops.libshade.bake_scratches.get_rna_type().properties["size"].enum_items
+    assert [(item.identifier, item.name) for item in sizes] == [(str(n), f"{n} × {n}") for n in (512, 1024, 1536, 2048, 4096, 8192)]
+    strokes = bpy.ops.libshade.follow_bumps.get_rna_type().properties["strokes"].enum_items
+    assert [(item.identifier, item.name) for item in strokes] == [("TANGENT", "As Displaced"), ("ACROSS", "On the Surface")]
+    for word, end in (("import_wif", ".wif"), ("save_scene", ".shscene")):
+        assert getattr(bpy.types, f"LIBSHADE_OT_{word}").filename_ext == end
+        assert getattr(bpy.ops.libshade, word).get_rna_type().properties["filter_glob"].default == "*" + end
+    save = bpy.types.LIBSHADE_OT_save_scene.poll
+    assert [save(Of(engine=engine)) for engine in ("LIBSHADE", "CYCLES")] == [True, False]
+
+
+def test_where_the_manual_tells_of_what():
+    """Blender's names of what the mouse is over, and where F1 leads: page and place."""
+    prefix, places = module("manual")._places()
+    assert prefix.startswith("file://") and prefix.endswith("/manual/")
+    for name, wanted in (("types.LibshadeMetalNode.strokes", "metal"), ("types.LibshadeFabricNode", "fabric"), ("types.LibshadeScratchesNode.tile", "scratches"),
+                         ("ops.libshade.scratches_preset", "scratches#preset"), ("ops.libshade.bake_scratches", "scratches#bake-to-images"), ("ops.libshade.drop_scratch_images", "scratches#bake-to-images"),
+                         ("ops.libshade.import_wif", "fabric#import-wif"), ("ops.libshade.measure_cloth", "fabric#measure-for-cycles"), ("ops.libshade.metal_preset", "metal#preset"),
+                         ("ops.libshade.measured_metal", "metal#measured-metal"), ("ops.libshade.update_nodes", "metal#nodes-of-older-files"),
+                         ("ops.libshade.follow_bumps", "grooves-in-cycles#make-grooves-follow-bumps"), ("ops.libshade.add_groove", "grooves-in-cycles#make-grooves-follow-bumps"),
+                         ("ops.libshade.add_assets", "assets#add-the-library"), ("ops.libshade.remove_assets", "assets#add-the-library"),
+                         ("ops.libshade.convert_to_group", "assets#files-for-blenders-without-the-add-on"), ("ops.libshade.save_scene", "rendering#without-blender"),
+                         ("ops.libshade.copy_cycles_settings", "rendering#start-from-a-file-for-cycles"), ("types.LibshadeSettings.samples", "rendering"),
+                         ("types.LibshadeViewLayerSettings", "rendering"), ("types.Mesh", None)):
+        page, _, place = (wanted or "").partition("#")
+        found = next((there for pattern, there in places if fnmatch.fnmatchcase(f"bpy.{name}".lower(), pattern)), None)
+        assert found == (wanted and f"blender/{page}.html" + (f"#{place}" if place else "")), (name, found)
+    assert next(there for pattern, there in places if fnmatch.fnmatchcase("bpy.ops.libshade.copy_report", pattern)) == "start/blender.html"
+
+
+def test_panels_of_nodes():
+    """Beside the shader editor, within the panel of the active node, closed at first."""
+    common.enable()
+    for name, label in (("advanced", "Advanced"), ("warp", "Warp"), ("weft", "Weft")):
+        panel = getattr(bpy.types, f"NODE_PT_libshade_{name}")
+        assert (panel.bl_label, panel.bl_space_type, panel.bl_region_type, panel.bl_category) == (label, "NODE_EDITOR", "UI", "Node"), name
+        assert panel.bl_parent_id == "NODE_PT_active_node_properties" and panel.bl_options == {"DEFAULT_CLOSED"}, name
+    told = bpy.types.RENDER_PT_libshade_differences
+    assert (told.bl_label, told.bl_space_type, told.bl_region_type, told.bl_context) == ("Not Rendered as in Cycles", "PROPERTIES", "WINDOW", "render")
+    assert told.bl_options == {"DEFAULT_CLOSED"} and told.COMPAT_ENGINES == {"LIBSHADE"}
+
+
+def test_memory_that_is_free():
+    """As the kernel tells it, in kibibytes: what is available and what may be swapped out; nothing where it does not say."""
+    memory = module("memory")
+    for text, wanted in (("MemTotal: 9 kB\nMemFree: 1 kB\nMemAvailable:   3 kB\nSwapTotal: 8 kB\nSwapFree: 4 kB\n", 7 << 10), ("MemFree: 1 kB\nSwapFree: 4 kB\n", None),
+                         ("MemAvailable: many kB\nSwapFree: 4 kB\n", None), ("MemAvailable 3 kB\n", None)):
+        with mock.patch.object(memory, "open", mock.mock_open(read_data=text), create=True):
+            assert memory._free() == wanted, text
+    with mock.patch.object(memory, "open", mock.Mock(side_effect=OSError), create=True):
+        assert memory._free() is None
+
+
+def test_a_library_of_assets_is_added_and_removed():
+    """Under our name, from our folder, to append from; what Blender does not add is said."""
+    assets, said = module("assets"), []
+    libraries = [Of(name="mine", path="/mine", import_method="LINK")]
+    preferences = Of(filepaths=Of(asset_libraries=libraries), is_dirty=False)
+
+    def add(directory):
+        libraries.append(Of(name="new", path=directory + "/.", import_method="LINK"))
+    operators = Of(asset_library_add=add, asset_library_remove=lambda index: libraries.pop(index))
+    fake = Of(context=Of(preferences=preferences), ops=Of(preferences=operators), path=bpy.path)
+    operator = Of(report=lambda kind, text: said.append((*kind, text)))
+    with replaced(assets, bpy=fake, FOLDER=os.path.dirname(os.path.abspath(__file__))):
+        for _again in range(2):
+            assert assets.LIBSHADE_OT_add_assets.execute(operator, None) == {"FINISHED"} and preferences.is_dirty
+            assert [vars(one) for one in libraries[1:]] == [{"name": "Libshade", "path": assets.FOLDER, "import_method": "APPEND_REUSE"}]
+        libraries.append(Of(name="last", path="/last"))
+        preferences.is_dirty = False
+        assert assets.LIBSHADE_OT_remove_assets.execute(operator, None) == {"FINISHED"} and preferences.is_dirty
+        assert [one.name for one in libraries] == ["mine", "last"] and libraries[0].import_method == "LINK"
+        preferences.is_dirty = False
+        assert assets.LIBSHADE_OT_remove_assets.execute(operator, None) == {"CANCELLED"} and not preferences.is_dirty
+        operators.asset_library_add = lambda directory: None
+        assert assets.LIBSHADE_OT_add_assets.execute(operator, None) == {"CANCELLED"} and said == [("ERROR", "Blender added no library")]
+
+
+def test_what_copying_from_cycles_says():
+    """What is another now, each name once; why there is nothing to copy from."""
+    cycles, said = module("cycles_settings"), []
+    operator = Of(report=lambda kind, text: said.append((*kind, text)))
+    labels = {"samples": Of(name="Samples"), "seed": Of(name="Seed")}
+    settings = Of(bl_rna=Of(properties=labels))
+    scene = Of(libshade=settings, cycles="of scene", view_layers=[Of(libshade=settings, cycles="of layer")] * 2)
+    for changed, words in ((["seed"], "As in Cycles now: Seed"), (["samples", "seed"], "As in Cycles now: Samples, Seed"), ([], "All was as in Cycles already")):
+        with replaced(cycles, copy=lambda _settings, theirs, changed=changed: changed[:1] if theirs == "of layer" else changed):
+            assert cycles.LIBSHADE_OT_copy_cycles_settings.execute(operator, Of(scene=scene)) == {"FINISHED"} and said.pop() == ("INFO", words)
+    poll = cycles.LIBSHADE_OT_copy_cycles_settings.poll.__func__
+    asked = Of(poll_message_set=said.append)
+    assert poll(asked, Of(scene=scene)) and not said
+    for without in (Of(), None):
+        assert not poll(asked, Of(scene=without)) and said.pop() == "The Cycles add-on is not enabled"
 
 
 def run(tests):
