@@ -14,7 +14,7 @@ import damaged
 from native_scenes import few, point, render, scene
 from shade_render import COMBINED, TOOL, assert_same, made, parts_of, put_parts, run, scene_file
 
-COST = 4.4
+COST = 4.6
 
 
 @pytest.fixture(scope="module")
@@ -49,11 +49,13 @@ def test_options(tmp_path, path):
         expected, _ = render(scene(**changes))
         found = made(tmp_path, path, *words)
         assert (found["L.Combined.R"] == expected[::-1, :, 0]).all()
-    assert run("--help").stdout.startswith("usage: shade-render") and run("--version").stdout.startswith("shade-render ")
+    for word, said in (("--help", "usage: shade-render SCENE"), ("-h", "usage: shade-render SCENE"), ("--version", "shade-render ")):
+        done = run(word)
+        assert done.returncode == 0 and done.stdout.startswith(said) and not done.stderr
 
 
 @pytest.mark.parametrize("words, status, said", [
-    ((), 2, "one scene and -o FILE.exr"), (("-o", "x.png"), 2, "-o FILE.exr"), (("-o", "x.exr", "--tile", "1,2,3"), 2, "'1"),
+    ((), 2, "one scene and -o FILE.exr"), (("-o", "x.share"), 2, "-o FILE.exr"), (("-o", ".shshare"), 2, "-o FILE.exr"), (("-o", "x.png"), 2, "-o FILE.exr"), (("-o", "x.exr", "--tile", "1,2,3"), 2, "'1"),
     (("-o", "x.exr", "--samples", "0"), 2, "'0'"), (("-o", "x.exr", "--tile", "0,0,17,1"), 1, "--tile must be within"),
     (("-o", "x.exr", "--passes", "Mist"), 1, "none of these passes"),
     (("-o", "x.exr", "--passes", "Depths,Dept,Combined2"), 1, "none of these passes"), (("-o", "missing/x.exr"), 1, "missing/x.exr: cannot write"),
@@ -81,6 +83,21 @@ def test_exposure_is_of_light_and_warnings_are_told(tmp_path, path):
     scene_file.write(path, "L", [(scene(use_denoising=True, denoiser="/no/library"), [COMBINED])])
     done = run(path, "-o", tmp_path / "x.exr")
     assert done.returncode == 0 and done.stderr.startswith("shade-render: warning: ") and done.stderr.endswith("the picture is as noisy as it was\n"), done.stderr
+    done = run(path, "-o", tmp_path / "x.shshare")  # a share is not denoised
+    assert done.returncode == 0 and not done.stderr
+    done = run(path, "-o", tmp_path / "no" / "x.exr")  # which is found before anything is rendered
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "x.exr: cannot write" in done.stderr, done.stderr
+
+
+def test_as_many_channels_as_a_file_holds(tmp_path, path):
+    """256, and no more."""
+    passes = [(f"{k}", "RGBA", "", 1.0) for k in range(64)]
+    small = scene(width=1, height=1, samples=1, meshes=[])
+    scene_file.write(path, "L", [(small, passes)])
+    assert len(made(tmp_path, path)) == 256
+    scene_file.write(path, "L", [(small, [*passes, ("more", "R", "", 1.0)])])
+    done = run(path, "-o", tmp_path / "x.exr")
+    assert done.returncode == 1 and done.stderr.endswith(": passes must have 256 channels at most\n") and not (tmp_path / "x.exr").exists(), done.stderr
 
 
 def test_ctrl_c_leaves_no_file(tmp_path):
@@ -89,10 +106,14 @@ def test_ctrl_c_leaves_no_file(tmp_path):
     short, long = (scene(width=400, height=400, samples=samples) for samples in (1, 65536))
     scene_file.write(path, "L", [(short, [COMBINED]), (long, [("Long", "RGBA", "", 1.0)])])
     going = subprocess.Popen([TOOL, path, "-o", tmp_path / "x.exr", "--progress"], stderr=subprocess.PIPE, text=True)
+    quiet = subprocess.Popen([TOOL, path, "-o", tmp_path / "y.exr", "--threads", "1"], stderr=subprocess.PIPE, text=True)
     assert going.stderr.readline().split()[1:] == ["50", "%"]  # after two seconds
     asked = time.monotonic()
     going.send_signal(signal.SIGINT)
     assert going.wait(60) == 130 and time.monotonic() - asked < 10
+    assert quiet.poll() is None  # it has as much to do, and where no terminal is says nothing
+    quiet.send_signal(signal.SIGINT)
+    assert quiet.communicate(timeout=60)[1] == "" and quiet.returncode == 130
     assert [file.name for file in tmp_path.iterdir()] == ["s.shscene"]
 
 
@@ -243,8 +264,9 @@ def test_shares_of_cloth_are_cut_where_its_samples_are_not_shaded_together(tmp_p
     scene_file.write(path, "L", [(description | {"samples": 20}, passes)])
     whole, found = made(tmp_path, path), made(tmp_path, path, "--merge", *shared(tmp_path, path, [("--share", "0,16"), ("--share", "16,20")]))
     assert all(np.allclose(found[name], whole[name], rtol=3e-6, atol=3e-6) for name in whole)
-    done = run(path, "-o", tmp_path / "x.shshare", "--share", "0,8")
-    assert done.returncode == 1 and "must begin and end at 0, 4, 16" in done.stderr
+    for part in ("0,8", "8,20", "4,17", "1,4"):
+        done = run(path, "-o", tmp_path / "x.shshare", "--share", part)
+        assert done.returncode == 1 and "must begin and end at 0, 4, 16" in done.stderr, part
 
 
 def test_shares_that_make_no_picture_are_told(tmp_path):
