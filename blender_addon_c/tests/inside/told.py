@@ -13,7 +13,7 @@ from mathutils import Matrix
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common  # noqa: E402
-from parts_of import module, replaced  # noqa: E402
+from parts_of import module, raised, replaced  # noqa: E402
 
 
 def close(found, wanted):
@@ -1470,6 +1470,155 @@ def test_pictures_of_a_sequence_are_read_as_their_image_says():
                 reader._loaded(Of(colorspace_settings=Of(name=name), alpha_mode=alpha, name=f"{name} {alpha}"), path, "owner")
                 assert seen[-1] == (name, alpha), seen
     assert len(seen) == 3 and [image.name for image in bpy.data.images if image.name.startswith("a_")] == []
+
+
+def test_words_of_what_is_left_out():
+    """Each begins with whose it is, and ends in what is shown in its place."""
+    said, part = [], lambda name: module(f"export.{name}")
+
+    class Inputs(list):
+        def get(self, _name):
+            return None
+    varies = object.__new__(part("graph").Register)
+    spread = Of(name="Red", inputs={"Color": 1, "Roughness": 2, "Subsurface Weight": 3, "Subsurface Anisotropy": 4, "Thin Wall": 5, "IOR": 6,
+                                    "Filter Width": Of(is_linked=True, default_value=1.5), "Normal": 7, "Height": 8})
+    reader = Of(warn=said.append, program=Of(math=lambda *_given: 0.0), in_height=True, owner="it", open=[(spread, ())], closures=[], nodes={}, known={(1, (), 0): None}, shift=0,
+                images=Of(turned=lambda *_which: 0.031, index=lambda *_which: 0))
+    found = Of(node=Of(name="Red", operation="ODD", type="ODD", bl_idname="Odd", internal_links=[], inputs=Inputs([Of(type="SHADER", is_linked=True)])), output=Of(name="Out", type="VALUE"), groups=())
+    messages = Of(warning=said.append)
+    ob = Of(name="ball", modifiers=[Of(type="NODES")], original=Of(light_linking=Of(blocker_collection="some")))
+    depsgraph = Of(scene=Of(render=Of(use_motion_blur=True, motion_blur_shutter=0.5)), view_layer=Of(use_pass_vector=True))
+
+    def too_deep(*_which):
+        raise RecursionError
+    table = (
+        ("node_color", "_math", (reader, found), {"number_in": lambda *_: 1.5}, "'Red': odd is not supported; its first input is used"),
+        ("node_color", "_vector_math", (reader, found), {"vector_in": lambda *_: (1, 2, 3)}, "'Red': odd is not supported; its first input is used"),
+        ("node_color", "_blend", (reader, Of(name="Red", blend_type="ODD"), 0.0, (1,), (2,)), {}, "'Red': blending by odd is not supported; mixed"),
+        ("node_normal", "_check_steepness", (reader, Of(name="map"), 0, 1.0), {},
+         "normal map 'map' turns normals by more than 50 degrees in 3 % of it: there lights may look otherwise than in Cycles"),
+        ("node_normal", "_filter_width", (reader, spread), {}, "'Red': what feeds Filter Width is left out, as in Cycles"),
+        ("node_normal", "_bump", (reader, Of(node=spread, groups=())), {"normal_of": lambda *_: None}, "'Red' bends a normal that a height depends on; left out"),
+        ("node_scratches", "_normal", (reader, Of(node=spread, groups=()), 0.0), {"normal_of": lambda *_: None}, "'Red' bends a normal that a height depends on; left out"),
+        ("node_stand_in", "_told", (reader, found, None), {}, "'Red' (Out): what it depends on differs from place to place; 0"),
+        ("node_tiling", "_radial_tiling", (reader, found), {"number_in": lambda *_: varies}, "'Red': Sides and Roundness that differ from place to place are not supported; 5 and 0 are used"),
+        ("node_tiling", "_radial_tiling", (reader, found), {"number_in": lambda _reader, _found, name: {"Sides": 2.0, "Roundness": 0.5}[name]},
+         "'Red': Roundness of two sides is not supported; its corners are sharp"),
+        ("node_tiling", "_radial_tiling", (reader, found), {"number_in": lambda _reader, _found, name: {"Sides": 2.5, "Roundness": 1.0}[name]},
+         "'Red': Roundness of a part of a side is not supported; its corners are sharp"),
+        ("node_image", "image_of", (reader, Of(name="Red", image="one", extension="ODD", interpolation="Linear", image_user=None, outputs={})), {},
+         "'Red': extension odd is not supported; repeated"),
+        ("node_image", "image_of", (reader, Of(name="Red", image="one", interpolation="Odd", image_user=None, outputs={})), {}, "'Red': interpolation odd is not supported; linear"),
+        ("node_image", "image_of", (reader, Of(name="Red", image=None)), {}, "'Red' has no image"),
+        ("closure", "_unknown", (reader, found, 1.0), {"collect": lambda *_: None}, "'Red' is not supported; what feeds it is used"),
+        ("closure", "collect", (reader, "socket", ()), {"tree": Of(trace=lambda *_: Of(node=spread, groups=()))}, "'Red' feeds itself; the link is left out"),
+        ("closure_light", "ray_portal", (reader, spread, (), 1.0), {"transparent": lambda *_: None}, "'Red': light that goes on elsewhere is not supported; shaded as a Transparent BSDF"),
+        ("closure_matt", "subsurface", (reader, spread, (), 1.0), {"spreads": lambda *_: True}, "'Red': light below the surface is not supported; shaded as a Diffuse BSDF of its colour"),
+        ("closure_metal", "glossy", (reader, Of(name="Red", distribution="ODD", inputs=spread.inputs), (), 1.0), {name: lambda *_: None for name in ("color_of", "alpha_of", "normal_in")},
+         "'Red': odd is not supported; shaded as GGX"),
+        ("closure_principled", "_is_thin", (reader, spread, ()), {"number_of": lambda *_: varies}, "'Red': a Thin Wall that differs from place to place is not supported; left out"),
+        ("closure_thin", "beyond", (reader, spread, (), 0.5), {"number_of": lambda *_: 0.5, "clamped": lambda _reader, number: number},
+         "'Red': Diffuse Roughness of a Thin Wall's other side is not supported; left out"),
+        ("closure_add", "_warn_of_steps", (reader, {"closure": "GLASS", "alpha": [1e-4]}, "map", 1.0), {},
+         "normal map 'map' has 8 bits: its steps show in highlights as sharp as these; use 16 bits or float"),
+        ("value", "_value", (reader, found, Of(name="Color")), {}, "Color: 'Red' (Out) is not supported; what feeds it is used, or the socket's own value"),
+        ("attributes", "Attributes._of_nodes", (Of(_messages=messages), Of(parent=ob), "tone"), {},
+         "object 'ball': what its geometry nodes say of instances ('tone') is not known to Python in this Blender; left out"),
+        ("layers", "uv_layer", (Of(uv_layers={}), "map", "ball", messages), {}, "object 'ball': no UV map 'map'; 0 is used, as in Cycles"),
+        ("light", "name_shading", (ob, None, None, messages), {},
+         "object 'ball': shadow linking of what shines unevenly, moves or is hidden from some rays is not supported; all objects shade its light"),
+        ("motion", "motion_of", ("engine", depsgraph, "camera", "dump.exr", messages), {},
+         ["the Vector pass is empty where motion is blurred, as in Cycles", "a dump has no motion blur: all is as it is at the frame"]),
+        ("aov", "read_into", (reader, None, "tone", "VALUE", None, False, False), {"_finished": too_deep},
+         "its nodes are too many for the pass 'tone'; left out"))
+    for name, function, given, parts, words in table:
+        owner, call = part(name), part(name)
+        for word in function.split("."):
+            call = getattr(call, word)
+        with replaced(owner, **parts):
+            with contextlib.suppress(Exception):  # of what stands in for the rest
+                call(*given)
+        assert said == ([words] if isinstance(words, str) else words), (name, function, said)
+        said.clear()
+    moves = part("motion").Motion
+    nowhere = Of(_wanted={}, _places={"key": {time: np.full(12, math.nan) for time in (-1.0, 1.0)}}, _messages=messages)
+    with replaced(part("motion"), _key=lambda _item: "key", _times=lambda _steps: (-1.0, 1.0)):
+        assert moves.place(nowhere, Of(object=ob)) is None
+    assert said == ["object 'ball': its place is not always a number; it is not blurred"]
+
+
+def test_words_of_files_of_lamps_and_of_images():
+    """What is wrong with a file of light, by its line or its kind; with an image, by whose it is."""
+    ies, images = module("export.ies"), module("export.image")
+    head = "IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 2 1 {kind} 2 0 0 0\n1 1 100\n"
+    for text, words in (("IESNA\n1 2 3\n", "it has no line that begins with TILT="), (head.format(kind=4) + "0 90\n0\n5 5\n", "photometric type 4: expected 1, 2 or 3"),
+                        (head.format(kind=1) + "90 0\n0\n5 5\n", "the vertical angles do not rise"), (head.format(kind=1) + "0 90\n0\n5 bright\n", "line 7: a candela value was expected, not 'bright'"),
+                        (head.format(kind=1) + "0 90\n0\n5\n", "it ends where a candela value was expected")):
+        assert raised(ies._read, text) == words, raised(ies._read, text)
+    kind, vertical, horizontal, candela = ies._read(head.format(kind=1) + "0 90\n0\n5 7\n")
+    assert kind == 1 and vertical.tolist() == [0, 90] and horizontal.tolist() == [0] and candela.tolist() == [[5, 7]]
+    up, around, ones = np.array([0.0, 90]), np.array([0.0, 90, 180]), np.ones((3, 2))
+    with replaced(ies.versions, OLD_IES=True):
+        for given, words in (((3, up, around, ones), "photometric type A: this Blender's Cycles does not show it"),
+                             ((1, up + 5, around, ones), "its vertical angles begin neither at 0 nor at 90; this Blender's Cycles does not show it"),
+                             ((1, up, np.array([0.0, 100]), ones[:2]), "its horizontal angles do not go all around; this Blender's Cycles does not show it")):
+            assert raised(ies._closed, *given) == words, raised(ies._closed, *given)
+    said = []
+    table = images.Images.__new__(images.Images)
+    table._messages = Of(warning=said.append)
+    folder = bpy.app.tempdir
+    with open(os.path.join(folder, "no.png"), "wb") as file:
+        file.write(b"no picture")
+    image = bpy.data.images.new("map", 2, 2)
+    assert table._fetch(Of(source="VIEWER", name="map"), "material 'steel'", "") == -1 and said.pop() == "material 'steel': image 'map' is a viewer: only images are supported"
+    there = os.path.join(folder, "no.png")
+    assert table._loaded(image, "/no/such.png", "material 'steel'") is None and said.pop() == "material 'steel': image file not found: /no/such.png"
+    assert table._loaded(image, there, "material 'steel'") is None and said.pop() == f"material 'steel': image cannot be read: {there}", said
+    tiled = Of(name="map", source="TILED", filepath="/tmp/a.<UDIM>.png", tiles=[Of(number=number) for number in (1001, 1012)], packed_files=())
+    table._loaded = lambda *_which: {"width": 4, "height": 2, "channels": 3}
+    with replaced(images, _MOST_TEXELS=31, _absolute=lambda _image, path: path):
+        assert table._tiled(tiled, "material 'steel'", False) == -1 and said.pop() == "material 'steel': image 'map': 2 times 2 tiles are too many"
+    bpy.data.images.remove(image)
+
+
+def test_words_of_materials_that_are_shaded_otherwise():
+    """Too deep, of too many shaders, without one, displaced or with a volume."""
+    scene = common.empty_scene()
+    common.camera(scene)
+    common.light(scene)
+    material, tree, _node = common.metal("steel")
+    common.plane(material)
+    end, whose = tree.get_output_node("ALL"), "material 'steel': "
+    reader = module("export.material")
+    for error, words in ((RecursionError(), "deep"), (module("export.graph").TooLarge(), "many at once")):
+        def fails(*_which, error=error):
+            raise error
+        with replaced(reader, collect=fails):
+            assert read(scene)[1] == [f"{whose}its nodes are too {words}; shaded as a Diffuse BSDF of its viewport colour"]
+    one, other, both = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfDiffuse", "Emission", "AddShader"))
+    tree.links.new(one.outputs[0], both.inputs[0])
+    tree.links.new(other.outputs[0], both.inputs[1])
+    tree.links.new(both.outputs[0], end.inputs["Surface"])
+    assert read(scene)[1] == []
+    with replaced(reader, _MOST=1):
+        assert read(scene)[1] == [f"{whose}its 2 shaders are more than 1; the last are left out"]
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    height = tree.nodes.new("ShaderNodeDisplacement")
+    tree.links.new(noise.outputs[0], height.inputs["Height"])
+    tree.links.new(height.outputs[0], end.inputs["Displacement"])
+    with replaced(reader, displacement_method=lambda _material: "BOTH"):
+        assert read(scene)[1] == [f"{whose}displacement of the surface itself is not supported; its normals are bumped"]
+    for link in end.inputs["Displacement"].links:
+        tree.links.remove(link)
+    clear = tree.nodes.new("ShaderNodeBsdfTransparent")
+    tree.links.new(clear.outputs[0], both.inputs[1])
+    with replaced(module("versions"), SHADOWS_STOP=False), replaced(reader.Reader, _shades=lambda _reader: True):
+        assert read(scene)[1] == [f"{whose}Transparent Shadows (off) are not supported; its shadows are transparent"]
+    for link in end.inputs["Surface"].links:
+        tree.links.remove(link)
+    assert read(scene)[1] == [f"{whose}no shader (its surface has none); black, as in Cycles"]
+    tree.links.new(tree.nodes.new("ShaderNodeVolumeScatter").outputs[0], end.inputs["Volume"])
+    assert read(scene)[1] == [f"{whose}volumes are not supported; left out"]
 
 
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
