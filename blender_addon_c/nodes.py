@@ -199,8 +199,8 @@ _GRAINS = (
 )
 _RESPONSES = (("FOLLOW", "Follow", "Strokes and reflections go with the bumps of Normal"),
               ("IGNORE", "Ignore", "The metal reflects as if nothing were linked to Normal"))
-_BUMPS = (("RELIEF", "Relief", "All slopes of Normal are bumps on the surface, which shade each other"),
-          ("SHAPE", "Shape", "Of a baked map: slopes of long waves are the object's own shape, which shades nothing; those of short ones are bumps on it"))
+BUMPS = (("RELIEF", "Relief", "All slopes of Normal are bumps on the surface, which shade each other"),
+         ("SHAPE", "Shape", "Of a baked map: slopes of long waves are the object's own shape, which shades nothing; those of short ones are bumps on it"))
 STROKE_WIDTH, NEW_GRAIN = 60.0, "AXIS_Y"
 NEW_HORIZON = "MUTUAL"  # not the library's default, which no slopes are known to
 _WIDTHS = (("ROUGHNESS", "Roughness", "Roughness and anisotropy, as on the sockets"),
@@ -259,7 +259,7 @@ def _properties():
     made["uv_map"] = StringProperty(name="UV Map", description="Of the strokes; none: the active one", update=_updater("uv_map"))
     made["bump_response"] = EnumProperty(name="Bump Response", description="What bumps do to the metal", items=_RESPONSES,
                                          update=_updater("bump_response"))
-    made["bumps_are"] = EnumProperty(name="Bumps Are", description="What Mutual takes an image or scratches at Normal for", items=_BUMPS,
+    made["bumps_are"] = EnumProperty(name="Bumps Are", description="What Mutual takes an image or scratches at Normal for", items=BUMPS,
                                      update=_updater("bumps_are"))
     made["strokes"] = FloatProperty(name="Strokes", description="How much rougher the tool's strokes are than what is between them; 0: none",
                                     subtype="FACTOR", min=0.0, max=1.0, default=0.0, update=_updater("strokes"))

@@ -80,6 +80,9 @@ class RENDER_PT_libshade_light_paths(_Panel, bpy.types.Panel):
             column.prop(context.scene.libshade, f"{name}_bounces")
         layout.prop(context.scene.libshade, "groove_transport")
         layout.prop(context.scene.libshade, "bumps_mutual")
+        row = layout.row()
+        row.active = context.scene.libshade.bumps_mutual
+        row.prop(context.scene.libshade, "bumps_are")
         for line in context.scene.libshade.bump_slopes.splitlines():
             layout.label(text=line)
         layout.prop(context.scene.libshade, "sample_clamp_direct")

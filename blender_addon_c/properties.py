@@ -5,6 +5,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from . import report
+from .nodes import BUMPS
 
 
 def _update_passes(_settings, context):
@@ -132,6 +133,12 @@ class LibshadeSettings(bpy.types.PropertyGroup):
         description="Bumps of Cycles' shining shaders shade and light each other, as those of the displaced surface do: "
                     "steep bumps get no darker, and not black; off: as in Cycles, where each is alone",
         default=False,
+    )
+    bumps_are: EnumProperty(
+        name="Bumps Are",
+        description="What images and scratches at Normal of Cycles' shining shaders are taken for where bumps shade each other",
+        items=BUMPS,
+        default="RELIEF",
     )
     bump_slopes: StringProperty(
         name="Bump Slopes",

@@ -36,7 +36,7 @@ def add(reader, closure, weight, normal=None, color=None):
     if stock:
         closure |= {} if reader.transport and _is_drawn_out(closure) else {"detail": "gram_schmidt"}
         if reader.mutual and closure["f0"] != BLACK:
-            closure["horizon"] = "mutual"
+            closure["horizon"], shape = "mutual", reader.shape
         elif reader.bumped and reader.dumps:
             closure["horizon"] = "hard" if closure["f0"] == BLACK else "valid_reflection"
     if normal and normal[0] in reader.coarse:

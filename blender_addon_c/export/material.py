@@ -47,6 +47,7 @@ class Table:
         self.unknown = Unknown()
         self.transport = settings.groove_transport  # do grooves go with bumps?
         self.mutual = settings.bumps_mutual  # do bumps shade and light each other?
+        self.shape = settings.bumps_are == "SHAPE"  # and are long waves of images and scratches the objects' own?
         self.averages = settings.texture_blur > 0  # are images averaged?
         # do bumps of normal maps become roughness? A dump holds points, as they are shaded then
         self.dumps = bool(os.environ.get("LIBSHADE_DUMP"))
@@ -156,8 +157,8 @@ class Reader:
     def __init__(self, table, messages, material, held=False, kind=""):
         self._held, self._kind = held, kind
         self.of_points, self.of_strands, self.mapless = (kind == one for one in (POINTS, STRANDS, MAPLESS))
-        self.transport, self.mutual, self.colors, self.averages = table.transport, table.mutual, table.colors, table.averages
-        self.filters, self.images, self._table = table.filters, table.images, table
+        self.transport, self.mutual, self.shape, self.colors = table.transport, table.mutual, table.shape, table.colors
+        self.averages, self.filters, self.images, self._table = table.averages, table.filters, table.images, table
         self.dumps = table.dumps
         self._messages, self._material = messages, material
         self.owner = f"material '{material.name}'" if material else "no material"

@@ -116,7 +116,7 @@ def test_settings_of_cycles():
     """All of ours but four are Cycles'; a file's are taken over, and given back by undo."""
     scene = common.empty_scene(8, 8)
     ours, module_ = scene.libshade, module("cycles_settings")
-    own = {"texture_blur", "filter_normals", "groove_transport", "bumps_mutual", "bump_slopes", "soft_terminator"}
+    own = {"texture_blur", "filter_normals", "groove_transport", "bumps_mutual", "bumps_are", "bump_slopes", "soft_terminator"}
     assert set(ours.__annotations__) - set(module_.shared(ours, scene.cycles)) == own
     layer = scene.view_layers[0]
     assert set(module_.shared(layer.libshade, layer.cycles)) == set(layer.libshade.__annotations__)
@@ -359,7 +359,8 @@ SETTINGS = {
     "diffuse_bounces": (4, 0, 1024), "glossy_bounces": (4, 0, 1024), "transmission_bounces": (12, 0, 1024),
     "transparent_max_bounces": (8, 0, 1024), "sample_clamp_direct": (0, 0, 1e8), "sample_clamp_indirect": (10, 0, 1e8),
     "light_sampling_threshold": (0.01, 0, 1), "caustics_reflective": True, "caustics_refractive": True, "blur_glossy": (1, 0, 10),
-    "texture_blur": (0.25, 0, 10), "filter_normals": True, "groove_transport": True, "bumps_mutual": False, "bump_slopes": "", "pixel_filter_type": "BLACKMAN_HARRIS",
+    "texture_blur": (0.25, 0, 10), "filter_normals": True, "groove_transport": True, "bumps_mutual": False, "bumps_are": "RELIEF", "bump_slopes": "",
+    "pixel_filter_type": "BLACKMAN_HARRIS",
     "filter_width": (1.5, 0.01, 10), "soft_terminator": True, "use_adaptive_sampling": False, "adaptive_threshold": (0.01, 0, 1),
     "adaptive_min_samples": (0, 0, 4096), "use_denoising": False, "use_preview_denoising": True, "use_animated_seed": False,
     "time_limit": (0, 0, 1e6)}
@@ -371,7 +372,8 @@ UNLIKE_CYCLES = {"samples", "preview_samples", "use_adaptive_sampling", "use_den
 LABELS = dict(line.strip().split(": ") for line in """samples: Samples; preview_samples: Viewport Samples; seed: Seed; max_bounces: Max Bounces; diffuse_bounces: Diffuse;
     glossy_bounces: Glossy; transmission_bounces: Transmission; transparent_max_bounces: Transparent; sample_clamp_direct: Clamp Direct; sample_clamp_indirect: Clamp Indirect;
     light_sampling_threshold: Light Threshold; caustics_reflective: Reflective Caustics; caustics_refractive: Refractive Caustics; blur_glossy: Filter Glossy;
-    texture_blur: Texture Blur; filter_normals: Filter Normal Maps; groove_transport: Grooves Follow Bumps; bumps_mutual: Bumps Shade Each Other; bump_slopes: Bump Slopes;
+    texture_blur: Texture Blur; filter_normals: Filter Normal Maps; groove_transport: Grooves Follow Bumps; bumps_mutual: Bumps Shade Each Other; bumps_are: Bumps Are;
+    bump_slopes: Bump Slopes;
     pixel_filter_type: Pixel Filter; filter_width: Width; soft_terminator: Soft Terminator; use_adaptive_sampling: Adaptive Sampling; adaptive_threshold: Noise Threshold;
     adaptive_min_samples: Min Samples; use_denoising: Denoise; use_preview_denoising: Denoise Viewport; use_animated_seed: Animate Seed; time_limit: Time Limit;
     denoising_store_passes: Denoising Data; use_pass_shadow_catcher: Shadow Catcher; pass_debug_sample_count: Sample Count""".split(";"))
@@ -560,6 +562,7 @@ def test_errors_are_told_and_the_result_ends():
 def test_slopes_are_told_of_a_render():
     scene = common.empty_scene(8, 8)
     material, tree, node = common.metal("steel", horizon="MUTUAL")
+    output = node.outputs[0].links[0].to_node
     bump, noise = tree.nodes.new("ShaderNodeBump"), tree.nodes.new("ShaderNodeTexNoise")
     tree.links.new(noise.outputs[0], bump.inputs["Height"])
     tree.links.new(bump.outputs[0], node.inputs["Normal"])
@@ -588,10 +591,27 @@ def test_slopes_are_told_of_a_render():
     pixels[..., 0], pixels[..., 1], pixels[..., 2] = 0.5 - 0.25 * wave, 0.5, 0.5 + 0.5 * np.sqrt(1 - 0.25 * wave * wave)
     image.pixels.foreach_set(pixels.ravel())
     common.normal_map(tree, node, image)
-    for bumps_are, low, high in (("RELIEF", 0.3, 0.45), ("SHAPE", 0, 0.06)):
-        node.bumps_are = bumps_are
-        bpy.ops.render.render()
-        assert low <= slopes_of_steel()[0] <= high, (bumps_are, scene.libshade.bump_slopes)
+    # and so it is by a shader of Cycles' own, whose switch is the scene's: shaded the same, and each deaf to the other's switch
+    common.light(scene, rotation=(0.5, 0, 0))
+    glossy = tree.nodes.new("ShaderNodeBsdfAnisotropic")  # Glossy, from 4.0 on
+    node.distribution = node.brdf = glossy.distribution = "ASHIKHMIN_SHIRLEY"
+    node.fresnel, node.detail = "NONE", "GRAM_SCHMIDT"
+    for made in node, glossy:
+        made.inputs["Color"].default_value, made.inputs["Roughness"].default_value = (0.7, 0.5, 0.2, 1), 0.5
+        made.inputs["Anisotropy"].default_value = 0
+    common.normal_map(tree, glossy, image)
+    scene.libshade.bumps_mutual, pictures, path = True, [], os.path.join(folder, "bumps.exr")
+    for shader, own, shared, low, high in ((node, "RELIEF", "SHAPE", 0.3, 0.45), (node, "SHAPE", "RELIEF", 0, 0.06),
+                                           (glossy, "SHAPE", "RELIEF", 0.3, 0.45), (glossy, "RELIEF", "SHAPE", 0, 0.06)):
+        tree.links.new(shader.outputs[0], output.inputs["Surface"])
+        node.bumps_are, scene.libshade.bumps_are = own, shared
+        common.render(path)
+        assert low <= slopes_of_steel()[0] <= high, (shader.name, own, scene.libshade.bump_slopes)
+        picture = bpy.data.images.load(path, check_existing=False)
+        pictures.append(np.array(picture.pixels[:]))
+    relief, shape, same_relief, same_shape = pictures
+    assert not np.allclose(relief, shape, rtol=0.05), pictures
+    assert np.allclose(relief, same_relief, rtol=1e-3) and np.allclose(shape, same_shape, rtol=1e-3), pictures
 
 
 def test_studio_light():
@@ -625,6 +645,8 @@ GREYED = (
     ("RENDER_PT_libshade_film", {"scene.render.film_transparent": True}, "film_transparent_roughness", False),
     ("RENDER_PT_libshade_sampling", {"scene.libshade.use_adaptive_sampling": False}, "adaptive_threshold", True),
     ("RENDER_PT_libshade_sampling", {"scene.libshade.use_adaptive_sampling": True}, "adaptive_min_samples", False),
+    ("RENDER_PT_libshade_light_paths", {"scene.libshade.bumps_mutual": False}, "bumps_are", True),
+    ("RENDER_PT_libshade_light_paths", {"scene.libshade.bumps_mutual": True}, "bumps_are", False),
     ("RENDER_PT_libshade_performance", {"scene.render.threads_mode": "AUTO"}, "threads", True),
     ("RENDER_PT_libshade_performance", {"scene.render.threads_mode": "FIXED"}, "threads", False),
     ("RENDER_PT_libshade_motion_blur", {"scene.render.use_motion_blur": False}, "motion_blur_shutter", True),
@@ -671,7 +693,7 @@ SHOWN = {
     "RENDER_PT_libshade_sampling": "samples = Render; preview_samples = Viewport; time_limit; use_adaptive_sampling; adaptive_threshold; adaptive_min_samples;"
     " light_sampling_threshold; use_denoising = Render; use_preview_denoising = Viewport; seed; use_animated_seed; libshade.copy_cycles_settings; libshade.save_scene",
     "RENDER_PT_libshade_light_paths": "max_bounces; diffuse_bounces; glossy_bounces; transmission_bounces; transparent_max_bounces; groove_transport; bumps_mutual;"
-    " 'steel' .1 .2; 'tin' .3 .4; sample_clamp_direct; sample_clamp_indirect; blur_glossy; caustics_reflective; caustics_refractive; soft_terminator",
+    " bumps_are; 'steel' .1 .2; 'tin' .3 .4; sample_clamp_direct; sample_clamp_indirect; blur_glossy; caustics_reflective; caustics_refractive; soft_terminator",
     "RENDER_PT_libshade_film": "film_transparent; film_exposure; film_transparent_glass; film_transparent_roughness; pixel_filter_type; filter_width; texture_blur; filter_normals",
     "RENDER_PT_libshade_motion_blur": "[use_motion_blur]; motion_blur_position = Position; motion_blur_shutter; rolling_shutter_type; rolling_shutter_duration; motion_blur_shutter_curve",
     "OBJECT_PT_libshade_motion_blur": "[use_motion_blur]; motion_steps = Steps; use_deform_motion = Deformation",

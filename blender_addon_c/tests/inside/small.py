@@ -456,7 +456,7 @@ def test_what_a_material_gets_of_a_closure():
     added = module("export.closure_add")
 
     def read(closure, weight=1.0, normal=None, color=None, **how):
-        reader = Of(**{"transport": False, "mutual": False, "bumped": None, "dumps": True, "coarse": {}, "filtered": {}, "colors": False, "closures": [], "below": {}, **how})
+        reader = Of(**{"transport": False, "mutual": False, "shape": False, "bumped": None, "dumps": True, "coarse": {}, "filtered": {}, "colors": False, "closures": [], "below": {}, **how})
         added.add(reader, dict(closure), weight, normal, color)
         return reader.closures[0] if reader.closures else None
     grey = {"closure": "METAL", "stock": True, "f0": (0.5,) * 3, "kd": (0.0,) * 3, "fresnel": "SCHLICK", "ax": 0.1, "ay": 0.1, "mdf": "ggx"}
@@ -473,8 +473,11 @@ def test_what_a_material_gets_of_a_closure():
         program = Of(emit={"RELIEF": [7, 8, 9]}.get, reads=lambda parts, kinds, said=drawn: said)
         assert read(closure, normal=[5], program=program, mutual=mutual).get("moment_from") == moment, (closure, mutual, drawn)
     program = Of(emit=lambda kind, count, shape: [7, 8, 9, 10, 11][:count] if shape else None, reads=lambda *_which: True)
-    made = read({**ours, "shape": True}, normal=[5], program=program)
-    assert (made["moment_from"], made["mean_from"], "shape" in made) == ((7, 8, 9), (10, 11), False)
+    for closure, how in (({**ours, "shape": True}, {}), (grey, {"mutual": True, "shape": True})):
+        made = read(closure, normal=[5], program=program, **how)
+        assert (made["moment_from"], made["mean_from"], "shape" in made) == ((7, 8, 9), (10, 11), False)
+    made = read(grey, normal=[5], program=program, shape=True)
+    assert not {"moment_from", "mean_from", "shape"} & set(made)
     shine, clear = {"closure": "EMISSION"}, {"closure": "TRANSPARENT"}
     for closure, weight, wanted in ((clear, 0.0, False), (clear, (0, 0, 0.1), True), (clear, -1.0, False), (shine, (0, -1, 0), True), (shine, 0.0, False)):
         assert bool(read(closure, weight)) == wanted, (closure, weight)
