@@ -139,12 +139,12 @@ def effects():
 
 
 def cookbook():
-    """docs/pictures: each scene of POV-Ray's cookbook, by the command on its top."""
+    """docs/pictures: each scene of POV-Ray's cookbook, by the commands on its top."""
     for scene in sorted((ROOT / "examples/povray/cookbook").glob("*.pov")):
         if scene.stem == "costs":
             continue  # of one ball
-        command = shlex.split(re.search(r"^// +(build/povray/povray .*)", scene.read_text(encoding="utf-8"), re.M)[1])
-        subprocess.run([*command, "-D", "-V"], check=True, cwd=ROOT, stderr=subprocess.DEVNULL)
+        for command in re.findall(r"^// +(build/povray/povray .*)", scene.read_text(encoding="utf-8"), re.M):
+            subprocess.run([*shlex.split(command), "-D", "-V"], check=True, cwd=ROOT, stderr=subprocess.DEVNULL)
         picture = Image.open(ROOT / "build" / f"{scene.stem}.png").convert("RGB")
         picture.resize((480, 270), Image.LANCZOS).save(ROOT / "docs/pictures" / f"povray-{scene.stem.replace('_', '-')}.jpg", quality=80,
                                                        optimize=True, progressive=True)

@@ -905,7 +905,7 @@ STARTED = {  # by function, what it starts in the tree's folder
               "-P examples/blender/nodes/make_pictures.py -- examples/nodes"],
     "first": ["blender -b --factory-startup --addons libshade --python-exit-code 1 -P examples/blender/nodes/make_first.py -- build/first.png"],
     "effects": ["build/venv-bpy/bin/python examples/blender/nodes/make_effects.py -- docs/pictures"],
-    "cookbook": ["build/povray/povray +Ia_b.pov +Obuild/a_b.png -D -V"],
+    "cookbook": ["build/povray/povray +Ia_b.pov +Obuild/map.png Declare=Map=1 -D -V", "build/povray/povray +Ia_b.pov +Obuild/a_b.png -D -V"],
 }
 MADE = {"swatches": ("examples/swatches.jpg", (8, 6)), "povray_cloth": ("examples/povray-cloth.jpg", (8, 6)), "povray_sheet": ("examples/povray.jpg", (1440, 810)),
         "blender_sheet": ("examples/blender.jpg", (1440, 810)), "twins": ("examples/twins.jpg", (1152, 620)), "first": ("docs/pictures/first.jpg", (640, 360)),
@@ -920,7 +920,8 @@ def test_what_is_started_for_pictures(monkeypatch, tmp_path):
     for folder in ("examples/povray/cookbook", "examples/nodes", "docs/pictures", "build"):
         (tmp_path / folder).mkdir(parents=True)
     for name in ("a_b", "costs"):
-        (tmp_path / f"examples/povray/cookbook/{name}.pov").write_text(f"// A scene.\n//   build/povray/povray +I{name}.pov +Obuild/{name}.png\n")
+        (tmp_path / f"examples/povray/cookbook/{name}.pov").write_text(
+            f"// A scene.\n//   build/povray/povray +I{name}.pov +Obuild/map.png Declare=Map=1\n//   build/povray/povray +I{name}.pov +Obuild/{name}.png\n")
     Image.new("RGB", (8, 6), "red").save(tmp_path / "examples/nodes/a.png")
     asked, colours = [], {}
 

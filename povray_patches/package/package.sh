@@ -44,7 +44,7 @@ for scene in "$top"/examples/povray/*/*.pov; do
   file=${scene##*/}
   case $file in suzanne.pov | embossed.pov) continue ;; esac # need what the demo and the tool `shade` make
   put 644 "$scene" "$doc/examples/$file"
-  sed -i 's,build/povray/povray +Iexamples/povray/[a-z]*/,povray-libshade +I,; s,+Obuild/,+O,' "$doc/examples/$file"
+  sed -i 's,build/povray/povray +Iexamples/povray/[a-z]*/,povray-libshade +I,; s,+Lbuild ,,; s,+Obuild/,+O,' "$doc/examples/$file"
 done
 cat "$povray/src/debian/copyright" "$here/copyright" >"$doc/copyright"
 cat >"$doc/changelog" <<END
