@@ -708,16 +708,44 @@ def test_what_is_made_is_freed(monkeypatch):
         made.append(result)
         return result
 
-    for name in ("slope_map_create", "scratch_create", "weave_create", "fabric_create", "draft_named", "draft_from_pattern"):
+    for name in ("slope_map_create", "scratch_create", "weave_create", "fabric_create", "draft_named", "draft_from_pattern",
+                 "relief_create"):
         watch(f"shade_{name}", taken)
-    for name in ("slope_map_free", "scratch_free", "weave_free", "fabric_free", "draft_free"):
+    for name in ("slope_map_free", "scratch_free", "weave_free", "fabric_free", "draft_free", "relief_free"):
         watch(f"shade_{name}", lambda given, _result: held.remove(given))
     for make in (lambda: shade.SlopeMap(ONE), lambda: shade.Scratches(SCRATCH, cells=0), lambda: shade.fabric("denim"),
-                 lambda: shade.fabric(pattern=(1, 2, 1))):
+                 lambda: shade.fabric(pattern=(1, 2, 1)), lambda: shade.Relief([0.5, 0.5], [0.1, 0])):
         before, thing = len(made), make()
         assert held and len(made) > before
         del thing
         assert not held
+
+
+def test_relief():
+    """Of slopes that are even from -.5 to .5 on half of the map, and flat on the other, the moment is 1/12 there; half of that of
+    all, or a third where the flat half counts double. A long wave is a bump, or the shape's own mean."""
+    rng = np.random.default_rng(5)
+    uv, lean = 3 * rng.random((1 << 16, 2)), rng.random((1 << 16, 2)) - 0.5  # of three periods
+    lean[:, 0] += 0.5 * lean[:, 1]
+    even = np.array([0, 0, 1.25 / 12, 0.5 / 12, 1 / 12])
+    left = uv[:, 0] % 1 < 0.5
+    both, bumpy = np.where(left[:, None], 0, lean), [0.6, 0.1] + [0.3, 0.8] * rng.random((4096, 2))
+    for weight, part in ((None, 1 / 2), (np.where(left, 2, 1), 1 / 3), (np.where(left, 0, 7), 1)):
+        relief = shade.Relief(uv, both, weight)
+        assert relief.slopes == pytest.approx(part * even, abs=2e-3) and (relief.varies > 0.5) == (part < 1)
+        found = relief.look_up([[[0.75, 0.3], [1.75, -0.7]], [[0.25, 0.3], [NAN, 0]]])
+        flat = 0 * even if part < 1 else even
+        assert found.shape == (2, 2, 5) and found.dtype == np.float64 and found[0, 0] == pytest.approx(found[0, 1], abs=1e-4)
+        assert found[1, 0] == pytest.approx(flat, abs=2e-3) and relief.look_up(bumpy).mean(0) == pytest.approx(even, abs=5e-3)
+        assert found[1, 1] == pytest.approx(relief.slopes, abs=1e-6)
+    assert shade.Relief(uv, lean).look_up(np.float32([0.25, 0.3])).dtype == np.float32
+    wave = 0.4 * np.sin(2 * np.pi * uv[:, 0])
+    bumps, shape = (shade.Relief(uv, np.stack([wave, 0 * wave], -1), shape=shape) for shape in (False, True))
+    assert bumps.slopes[2] == pytest.approx(0.08, rel=0.02) and shape.slopes[2] < 0.008
+    assert shape.look_up([[0.25, 0.5], [0.75, 0.5]])[:, 0] == pytest.approx([0.4, -0.4], abs=0.06)
+    assert shade.Relief(np.zeros((0, 2)), np.zeros((0, 2))).slopes == (0,) * 5
+    with pytest.raises(ValueError, match="shape: 2 given"):
+        shade.Relief(uv, lean, shape=2)
 
 
 def test_each_place_has_a_footprint_of_its_own():

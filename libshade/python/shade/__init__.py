@@ -12,8 +12,8 @@ float64. Calls hold no state and let other threads of Python run.
 from ._arrays import Status
 from ._cloth import Fabric, fabric, presets, weaves
 from ._library import PATH as library
-from ._maps import Scratches, SlopeMap, split
+from ._maps import Relief, Scratches, SlopeMap, split
 from ._material import D, Material, choices, eval, isa, lists, metals, parameters, pdf, sample
 
-__all__ = ["D", "Fabric", "Material", "Scratches", "SlopeMap", "Status", "choices", "eval", "fabric", "isa", "library",
+__all__ = ["D", "Fabric", "Material", "Relief", "Scratches", "SlopeMap", "Status", "choices", "eval", "fabric", "isa", "library",
            "lists", "metals", "parameters", "pdf", "presets", "sample", "split", "weaves"]

@@ -75,6 +75,10 @@ p shade_slope_map_create piiipp
 v shade_slope_map_free p
 u shade_slope_lookup pddpp
 u shade_params_split pppippp
+p shade_relief_create npppppi
+v shade_relief_free p
+d shade_relief_whole pp
+v shade_relief_lookup_batchf pnppp
 v shade_scratch_params_init p
 p shade_scratch_create pp
 v shade_scratch_free p

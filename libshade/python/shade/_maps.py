@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Normal maps and scratches seen over a footprint, and what they make of a lobe (maps.h)."""
+"""Normal maps and scratches seen over a footprint, what they make of a lobe, and how steep bumps are (maps.h)."""
 import ctypes
 import weakref
 from typing import Any, NamedTuple
@@ -174,6 +174,66 @@ class Scratches(Fixed):
         LIB.shade_scratch_rows(self._field, width, height, 0, height, samples, depth.ctypes.data,
                                normal.ctypes.data)
         return depth, normal
+
+
+class Relief(Fixed):
+    """How steep bumps are near each place, from points that lie as densely on all of a surface: what horizon mutual needs.
+
+    Where bumps are uneven, as round an embossed letter, each place has the slopes near it; else all have those of all points.
+    Places repeat with period 1. Where all lie in a smaller square, it is that which is divided. It works in float.
+
+    :param uv: where the points are (…, 2), as of a picture
+    :param slopes: theirs along the tangent and y of the local frame: -n.x/n.z, -n.y/n.z (…, 2)
+    :param weight: what each counts beside the others, above 0 (…); None: all alike. Where it is not above 0, or any number of a
+        point is not finite, the point counts nothing
+    :param shape: True where long waves are the surface's own, which nothing shades: slopes are about means of wide windows
+
+    >>> uv, lean = np.random.default_rng(1).random((65536, 2)), np.random.default_rng(2).normal(0, .5, (65536, 2))
+    >>> lean[uv[:, 0] < .5] = 0  # bumps on one half
+    >>> relief = shade.Relief(uv, lean)
+    >>> relief.varies > .5, relief.look_up([[.25, .5], [.75, .5]])[:, 2] > .1
+    (True, array([False,  True]))
+    """
+
+    CHANGED = "shade.Relief(…, {}) makes another"
+
+    def __init__(self, uv: ArrayLike, slopes: ArrayLike, weight: ArrayLike | None = None, *, shape: bool = False) -> None:
+        call = Call().add("uv", uv, "u", "v").add("slopes", slopes, "x", "y").add("weight", weight, "weight").prepare()
+        call.dtype = np.dtype(np.float32)
+        made = call.columns()
+        at = [made[name].ctypes.data if name in made else None for name in ("u", "v", "x", "y", "weight")]
+        self._relief = LIB.shade_relief_create(call.count, *at, truth("shape", shape))
+        if not self._relief:
+            raise MemoryError("no room for this relief")
+        weakref.finalize(self, LIB.shade_relief_free, self._relief)
+        whole = (ctypes.c_double * 5)()
+        self._varies = LIB.shade_relief_whole(self._relief, whole)
+        self._slopes = tuple(whole)
+
+    @property
+    def slopes(self) -> tuple[float, ...]:
+        """Of all points x, y, xx, xy, yy, as a Material takes them: the mean slope, and the second moment about it; with shape
+        that about its means."""
+        return self._slopes
+
+    @property
+    def varies(self) -> float:
+        """The variance of xx + yy in windows over the square of its mean. Up to .5, and without shape, every place has the slopes
+        of all."""
+        return self._varies
+
+    def look_up(self, uv: ArrayLike) -> Floats:
+        """The slopes at places, from middle to middle of windows without a step.
+
+        :param uv: where (…, 2); a place that is not finite has the slopes of all
+        :returns: x, y, xx, xy, yy (…, 5), as eval takes them of each sample
+        """
+        call = Call().add("uv", uv, "u", "v").prepare()
+        asked, call.dtype = call.dtype, np.dtype(np.float32)
+        made, found = call.columns(), np.zeros((5, call.count), np.float32)
+        rows = (ctypes.c_void_p * 5)(*(row.ctypes.data for row in found))
+        LIB.shade_relief_lookup_batchf(self._relief, call.count, made["u"].ctypes.data, made["v"].ctypes.data, rows)
+        return np.moveaxis(found.reshape(5, *call.shape), 0, -1).astype(asked, copy=False)
 
 
 def split(material: Material, n: ArrayLike | None, covariance: ArrayLike, most: int = 1, *,
