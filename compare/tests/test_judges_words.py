@@ -18,6 +18,7 @@ import plate
 import programs
 import report
 import slopes
+import speed
 import truth
 
 COST = 2.2
@@ -459,3 +460,40 @@ def test_what_cloth_from_afar_prints_and_draws(monkeypatch, tmp_path, capsys, sh
     assert [text.get_text() for text in axes[2].get_legend().get_texts()] == ["denim", "silk charmeuse"]
     assert strips == [(name, extent, "auto") for name in ("denim", "silk_charmeuse") for extent in (.08, .2, .4, .7, 1, 1.4, 2, 3, 6)]
     assert images[0].shape == (2 * 124, 9 * 124, 3) and images[0][2, 10, 0] > images[0][100, 10, 0] > 0  # v upwards
+
+
+# ---- speed.py
+
+
+def test_how_fast_the_plate_is(monkeypatch, tmp_path, capsys):
+    """Both engines by turns; how many times ours is as fast, and what goes to docs/results."""
+    asked, written = [], []
+
+    def step(words, command, log, environment):
+        asked.append((words, json.loads((tmp_path / "jobs.json").read_text()), log, environment["LIBSHADE_TIMINGS"]))
+        (tmp_path / "seconds.json").write_text(json.dumps({"blender": "5.0", "seconds": [[4.0, 3.0], [1.0, 0.5]]}))
+        return "libshade: sync 1 s\nother\nlibshade: sync 2 s\nlibshade: sync 3 s\n"
+    monkeypatch.setattr(speed.report, "step", step)
+    monkeypatch.setattr(speed.programs, "blender", lambda *words: [str(word) for word in words])
+    monkeypatch.setattr(speed.pictures, "write_float", lambda path, picture: written.append((path.name, picture.shape)))
+    monkeypatch.setattr(speed.plate, "normal_map", lambda texels: np.zeros((texels // 512, texels // 512, 3)))
+    monkeypatch.setattr(speed.results, "surroundings", lambda command: {"machine": "a machine", "compiler": "a compiler", "command": command})
+    monkeypatch.setattr(speed.results, "write", lambda *words: written.append(words))
+    assert speed.main(["--size", "100", "--samples", "50", "--repeat", "2", "--output", str(tmp_path)]) == 0
+    (words, order, log, timings), = asked
+    assert words == "Rendering the plate 2 times with each engine" and (log, timings) == (tmp_path / "blender.log", "1")
+    assert order["normal_map"] == str(tmp_path / "normals.exr") and written == [("normals.exr", (4, 4, 3))]
+    same = {"surface": "bumped", "size": 100, "samples": 50, "quads": 1, "repeat": 2, "output": ""}
+    assert order["jobs"] == [{"engine": "CYCLES", **same}, {"engine": "LIBSHADE", "detail": "rotate", **same}]
+    printed = capsys.readouterr().out
+    assert "Blender 5.0, 100 x 100, 50 samples; a machine; a compiler" in printed
+    assert [line.split() for line in printed.splitlines() if re.match("seconds|render|best|million", line)] == [
+        ["seconds", "Cycles", "libshade", "ratio"], ["render", "1", "4.000", "1.000", "4.0"], ["render", "2", "3.000", "0.500", "6.0"],
+        ["best", "3.000", "0.500", "6.0"], ["million", "samples/s", "0.2", "1.0"]]
+    assert printed.endswith("Our stages, first and last render:\n  sync 1 s\n  sync 3 s\n")
+    speed.main(["--results", "--output", str(tmp_path)])
+    head, rows = written[-1][1], written[-1][3]
+    assert written[-1][0] == "plate-time" and head["command"] == "make compare" and written[-1][2] == ["renderer", "seconds", "million samples a second"]
+    assert rows == [["Cycles", 3.0, pytest.approx(512 * 512 * 64 / 3e6)], ["libshade", .5, pytest.approx(512 * 512 * 64 / .5e6)]]
+    assert asked[-1][0] == "Rendering the plate 3 times with each engine"
+    assert speed.arguments([]).output == programs.BUILD / "compare" / "speed"

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """build/displaced against formulas written down here, and study_truth.py's findings on altered rows."""
 import csv
+import json
 import subprocess
 import xml.etree.ElementTree as ET
 
@@ -165,7 +166,7 @@ G = displacement.GROOVED
 
 
 @pytest.mark.parametrize("number, altered", [
-    (0, change(kind="picture", material=G, method="rotate", base="sphere", to=("error_point", lambda v: 0.05))),
+    (0, change(kind="picture", material=G, method="rotate", base="sphere", to=("error_point", lambda v: 2e-3))),
     (0, change(kind="picture", material=G, method="rotate", base="plate", to=("error", lambda v: 1e-3))),
     (1, change(kind="picture", material=G, method="perturb", to=("error", lambda v: v / 20))),
     (1, change(kind="picture", material=G, method="gram_schmidt", slope=1.2, to=("error", lambda v: 0.9))),
@@ -196,6 +197,41 @@ def test_altered_rows_are_noticed(rows, number, altered):
                for row in rows]
     assert changed != rows
     assert [f.holds for f in study_truth.findings(changed)][number] is False
+
+
+def test_steep_bumps_as_truth_py_renders_them(monkeypatch, tmp_path):
+    """Pictures of the first sky by one exposure, white at 2.5 times what the displaced one is in the mean; errors of all skies."""
+    asked = []
+
+    def step(words, command, log, allowed):
+        out = command[command.index("--output") + 1]
+        asked.append((words, command[2:-2], log, allowed))
+        assert out == str(tmp_path / "out")
+        (tmp_path / "out").mkdir()
+        names = [("displaced", None), ("plate", "VALID_ESTEVEZ"), ("plate", "MUTUAL"), ("plate", None)]
+        jobs = [{"surface": surface, "sky": sky, "output": f"{sky}-{surface}-{horizon}", **({"horizon": horizon} if horizon else {})}
+                for sky in ("studio", "city") for surface, horizon in names]
+        (tmp_path / "out" / "jobs.json").write_text(json.dumps({"jobs": jobs}))
+        errors = {"valid_estevez": .2, "mutual": .1, study_truth.CYCLES: .3}
+        (tmp_path / "out" / "truth.json").write_text(json.dumps({"skies": {"studio": errors, "city": {word: 2 * error for word, error in errors.items()}}}))
+    monkeypatch.setattr(study_truth.report, "step", step)
+    level = {"studio-displaced-None": .2, "studio-plate-VALID_ESTEVEZ": .1, "studio-plate-MUTUAL": .15, "studio-plate-None": .3}
+    monkeypatch.setattr(study_truth.pictures, "read", lambda name: np.full((2, 2, 3), level[name]))  # of the first sky alone
+    monkeypatch.setattr(study_truth.sheet, "grey", lambda picture, white: (float(picture.mean()), white))
+    monkeypatch.setattr(study_truth.sheet, "tiles", lambda folder, figure, tiles: [(figure, *tile) for tile in tiles])
+    said = []
+    rows = study_truth.steep("letter")(tmp_path, said.append)
+    (words, command, log, allowed), = asked
+    assert (said, words, log, allowed) == (["rendering"], "truth.py, letter", tmp_path / "log", (0, 1))
+    assert command == ["--surface", "letter", "--size", "96", "--samples", "24", "--quads", "400"] and not (tmp_path / "out").exists()
+    assert [(row["kind"], row["surface"], row["sky"], row["method"], row["error"]) for row in rows[:6]] == [
+        ("steep", "letter", sky, word, pytest.approx(error * share)) for sky, share in (("studio", 1), ("city", 2))
+        for word, error in (("valid_estevez", .2), ("mutual", .1), ("Cycles' normal map", .3))]
+    white = pytest.approx(.5)
+    assert rows[6:] == [("steep-letter", "letter|displaced", (pytest.approx(.2), white)),
+                        ("steep-letter", "letter|before: valid_estevez", (pytest.approx(.1), white), "error {}", .2),
+                        ("steep-letter", "letter|now: mutual", (pytest.approx(.15), white), "error {}", .1),
+                        ("steep-letter", "letter|Cycles", (pytest.approx(.3), white), "error {}", .3)]
 
 
 def test_sheets_and_tables(rows, tmp_path):
