@@ -11,14 +11,16 @@ Each scene has
                1: its outward side is out, -1: in, 0: it is flat
 """
 import json
+import os
 
 import pytest
 
 from blender_runs import ROOT
 
-COST = 30
+COST = 10.4
 
 WORDS = {"jacket-near-cycles-7": "near cycles 7"}
+ENGINES_TOO = ["make_engines"] if "BOTH" in os.environ else []
 SKY_LINKS = ["Background.Background MixShader.Shader", "Background.Background MixShader.Shader", "LightPath.Is Camera Ray MixShader.Factor",
              "Mapping.Vector TexEnvironment.Vector", "MixShader.Shader OutputWorld.Surface", "TexCoord.Generated Mapping.Vector",
              "TexEnvironment.Color Background.Color"]
@@ -344,7 +346,7 @@ SCENES = {
             "cuff -1": [1, ["denim"], [-0.346, -0.125, -0.0448], [-0.235, -0.00688, 0.0276], 0.0142, 1, True, [["SOLIDIFY", 0.003, -1]], 1],
             "pocket -1": [1, ["denim"], [-0.195, -0.129, 0.296], [-0.0944, -0.0824, 0.433], 0.0135, 1.01, True, [["SOLIDIFY", 0.0016, -1]], 1],
             "flap -1": [1, ["denim"], [-0.193, -0.126, 0.387], [-0.0942, -0.0836, 0.441], 0.00477, 1.01, True, [["SOLIDIFY", 0.0016, -1]], 1],
-            "thread": [1, ["thread"], [-0.229, -0.141, 0], [0.239, 0.0152, 0.594], 0.00748, None, True, [], -1],
+            "thread": [1, ["thread"], [-0.00749, -0.141, 0], [0.0219, -0.0744, 0.561], 0.00255, None, True, [], -1],
             "Plane": [1, ["wall"], [-15, -1.79, -14.6], [15, 4.79, 14.6], 900, 0.0333, False, [], 0],
         },
     },
@@ -569,7 +571,7 @@ def unlike(found, said, place=""):
 def built(blender_new, tmp_path_factory):
     scripts = [f"{ROOT}/examples/blender/{name.partition('-')[0]}/make_scene.py {WORDS.get(name, name.partition('-')[2])}".strip() for name in SCENES
                if not name.startswith("make_")]
-    scripts += [f"{ROOT}/examples/blender/nodes/{name}.py" for name in ("make_first", "make_effects", "make_engines")]
+    scripts += [f"{ROOT}/examples/blender/nodes/{name}.py" for name in ("make_first", "make_effects", *ENGINES_TOO)]
     facts = tmp_path_factory.mktemp("facts") / "facts.json"
     blender_new.run("example_scenes.py", facts, *scripts)
     return json.loads(facts.read_text())
@@ -593,6 +595,7 @@ def test_scene(built, name):
     assert not unlike(found, SCENES[name])
 
 
+@pytest.mark.skipif(not ENGINES_TOO, reason="bakes: of make soak")
 def test_three_engines(built):
     pictures = [scene.pop("picture") for scene in built["make_engines"]]
     assert [picture[0] for picture in pictures] == ["LIBSHADE", "CYCLES", "BLENDER_EEVEE"]

@@ -17,7 +17,7 @@ import study_precision
 import study_speed
 import style
 
-COST = 4
+COST = 3.7
 
 RUNS = (0.9, 1.0, 1.2)  # of a time: its median is it, the middle half .95 to 1.1
 STEADY = ("perturb", "lambert", "max_normal", "hard", "near", "float", 1)  # what others are compared with: all runs the same

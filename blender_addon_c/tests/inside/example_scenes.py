@@ -184,7 +184,7 @@ for words in scripts:
             world["parts"].begin = begin
         if "Jacket" in world:
             sewn = world["Jacket"].thread
-            world["Jacket"].thread = lambda jacket, sewn=sewn: (jacket.seams.__delitem__(slice(8, None)), sewn(jacket)) if jacket.seams else None
+            world["Jacket"].thread = lambda jacket, sewn=sewn: (jacket.seams.__delitem__(slice(2, None)), sewn(jacket)) if jacket.seams else None
         exec(compile(ast.Module([last], []), script, "exec"), world)
         if name == "suzanne":
             seen.append(facts())
