@@ -130,6 +130,9 @@ def test_what_is_written_of_a_scene(tmp_path):
     assert first["passes"] == [{"name": "Combined", "channels": "RGBA", "plane": "", "exposure": 1.0}] and header["version"] == 1
     assert [one["offset"] for one in header["arrays"]] == [0, 64, 128, 192] and [one["type"] for one in header["arrays"]] == ["float32", "int32", "float32", "int32"]
     assert [found.tolist() for found in arrays[:3]] == [[0, 1, 2, 3, 4], [0, 1, 2, 3, 4], [0, 1]] and path.stat().st_size % 64 == 0
+    scene_file.write(tmp_path / "odd", "L", [({"path": "a\udcff"}, [])])  # of a file whose name is no text
+    assert parts_of(tmp_path / "odd")[0]["pictures"][0]["scene"] == {"path": "a?"}
+    (tmp_path / "odd").unlink()
     whole = path.read_bytes()
     with pytest.raises(ValueError):
         scene_file.write(path, "L", [({"number": float("nan")}, [])])

@@ -1540,6 +1540,32 @@ def test_words_of_what_is_left_out():
                 call(*given)
         assert said == ([words] if isinstance(words, str) else words), (name, function, said)
         said.clear()
+    still = lambda blurs, shutter, vectors: Of(scene=Of(render=Of(use_motion_blur=blurs, motion_blur_shutter=shutter)), view_layer=Of(use_pass_vector=vectors))
+    quiet = (
+        ("motion", "motion_of", ("engine", still(False, 0.5, True), "camera", "dump.exr", messages), {"Motion": lambda *_: None}),
+        ("motion", "motion_of", ("engine", still(True, 0.0, False), "camera", "dump.exr", messages), {}), ("motion", "motion_of", ("engine", still(True, 0.5, False), "camera", "", messages), {"Motion": lambda *_: None}),
+        ("node_normal", "_check_steepness", (Of(images=Of(turned=lambda *_which: 0.02), warn=said.append), Of(name="map"), 0, 1.0), {}),
+        ("node_normal", "_filter_width", (reader, Of(inputs={"Filter Width": Of(is_linked=False, default_value=1.5)})), {}), ("node_normal", "_filter_width", (reader, Of(inputs={})), {}),
+        ("node_stand_in", "_told", (reader, found, 0), {}),
+        *(("node_tiling", "_radial_tiling", (reader, found), {"number_in": lambda _reader, _found, name, sides=sides, roundness=roundness: {"Sides": sides, "Roundness": roundness}[name]})
+          for sides, roundness in ((5.0, 0.5), (2.5, 0.0), (2.0, 0.0), (2.0, 1.0))),
+        ("closure_matt", "subsurface", (reader, spread, (), 1.0), {"spreads": lambda *_: False}),
+        *(("closure_thin", "beyond", (reader, spread, (), roughness), {"number_of": lambda *_, below=below: below, "clamped": lambda _reader, number: number}) for below, roughness in ((0.5, 0.0), (0.0, 0.5))),
+        *(("closure_add", "_warn_of_steps", (reader, closure, "map", 1.0), {}) for closure in (
+            {"closure": "GLASS", "alpha": [0.5]}, {"closure": "DIFFUSE"}, {"closure": "METAL", "f0": (0, 0, 0), "ax": 1e-4, "ay": 1e-4}, {"closure": "METAL", "f0": (1, 1, 1), "ax": 0.5, "ay": 0.5})),
+        ("layers", "uv_layer", (Of(uv_layers={"map": "it"}), "map", "ball", messages), {}), ("layers", "uv_layer", (Of(uv_layers=[]), "", "ball", messages), {}),
+        ("light", "name_shading", (Of(name="ball", original=Of(light_linking=Of(blocker_collection=None))), None, None, messages), {}),
+        ("light", "name_shading", (ob, "mesh", Of(shines_evenly=lambda _mesh: True), messages), {}),
+        ("attributes", "Attributes._of_nodes", (Of(_messages=messages), Of(parent=None), "tone"), {}),
+        ("attributes", "Attributes._of_nodes", (Of(_messages=messages), Of(parent=Of(name="ball", modifiers=[Of(type="SUBSURF")])), "tone"), {}))
+    for name, function, given, parts in quiet:
+        owner, call = part(name), part(name)
+        for word in function.split("."):
+            call = getattr(call, word)
+        with replaced(owner, **parts):
+            with contextlib.suppress(Exception):
+                call(*given)
+        assert not said, (name, function, said)
     moves = part("motion").Motion
     nowhere = Of(_wanted={}, _places={"key": {time: np.full(12, math.nan) for time in (-1.0, 1.0)}}, _messages=messages)
     with replaced(part("motion"), _key=lambda _item: "key", _times=lambda _steps: (-1.0, 1.0)):
@@ -1619,6 +1645,81 @@ def test_words_of_materials_that_are_shaded_otherwise():
     assert read(scene)[1] == [f"{whose}no shader (its surface has none); black, as in Cycles"]
     tree.links.new(tree.nodes.new("ShaderNodeVolumeScatter").outputs[0], end.inputs["Volume"])
     assert read(scene)[1] == [f"{whose}volumes are not supported; left out"]
+
+
+def test_which_part_of_a_cameras_view_is_rendered():
+    """The border of its frame, wherever that lies in the view; all without one, or where a part of the frame is behind the eye."""
+    scene = common.empty_scene()
+    lamp = common.light(scene)
+    eye = common.camera(scene, (0, 0, 0))
+    bpy.context.view_layer.update()
+    depsgraph, region = bpy.context.evaluated_depsgraph_get(), module("viewport")._region_of
+    render = scene.render
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.5, 1
+    whole = eye.calc_matrix_camera(depsgraph, x=64, y=48)
+    for border, camera, matrix, view, wanted in (
+            (True, eye, whole, "CAMERA", (20, 30, 60, 60)), (False, eye, whole, "CAMERA", (0, 0, 80, 60)), (True, eye, whole * -1, "CAMERA", (0, 0, 80, 60)),
+            (True, eye, Matrix.Diagonal((0.5, 0.5, 1, 1)) @ whole, "CAMERA", (30, 30, 50, 45)), (True, eye, whole, "PERSP", (8, 0, 80, 60)), (True, lamp, whole, "CAMERA", (8, 0, 80, 60)),
+            (True, None, whole, "CAMERA", (8, 0, 80, 60))):
+        render.use_border = border
+        space = Of(camera=camera, use_render_border=True, render_border_min_x=0.1, render_border_max_x=1.0, render_border_min_y=0.0, render_border_max_y=1.0)
+        context = Of(space_data=space, region_data=Of(view_perspective=view, perspective_matrix=matrix))
+        assert region(context, depsgraph, (80, 60)) == wanted, (border, view, region(context, depsgraph, (80, 60)))
+
+
+def test_what_stands_on_a_node():
+    """What was said of it, in red lines as wide as the node, the first with a sign; nothing but that it is disabled where it is."""
+    scene, report, drawn = common.empty_scene(), module("report"), []
+    _material, tree, node = common.metal("steel")
+
+    class Lines:
+        alert = False
+
+        def label(self, text, icon):
+            drawn.append((text, icon, self.alert))
+
+        def column(self, align):
+            assert align
+            return Lines()
+
+        def context_pointer_set(self, name, of):
+            drawn.append((name, of))
+    report._keep(scene, [("material 'steel': " + "word " * 20, True), ("material 'tin': odd", True), ("material 'steel': 'Other': odd", False)])
+    tree.nodes.new("ShaderNodeBump").name = "Other"
+    try:
+        for width, lines in ((100, 5), (140, 5), (700, 1)):
+            drawn.clear()
+            node.width = width
+            assert report.draw_on(node, Lines()) and drawn[0] == ("node", node)
+            assert [icon for _text, icon, _red in drawn[1:]] == ["ERROR"] + ["NONE"] * (lines - 1) and all(red for *_said, red in drawn[1:]), (width, drawn)
+        drawn.clear()
+        with replaced(report, is_enabled=lambda: False):
+            assert report.draw_on(node, Lines()) is False and drawn == [("libshade is disabled", "ERROR", False)]
+    finally:
+        report._forget()
+
+
+def test_colours_of_a_files_working_space():
+    """Rows of the matrix to it; a file of Rec. 709 has none, and counts green most."""
+    space = module("working_space")
+
+    class Wide:
+        """Red and green change places, and each is half as large."""
+        def __init__(self, unit):
+            self.unit = unit
+
+        def from_rec709_linear_to_scene_linear(self):
+            return (0.5 * self.unit[1], 0.5 * self.unit[0], self.unit[2])
+
+        def from_scene_linear_to_xyz_d65(self):
+            return (9, 1 + 2 * self.unit[1], 9)
+    assert space.from_rec709() is None and space.here((1, 2, 3)) == (1, 2, 3) and space.luminance() == (0.2126, 0.7152, 0.0722)
+    assert space.from_xyz() is None and space.told("matrix", None) == {}
+    with replaced(space, Color=Wide):
+        assert space.here((1, 2, 4)) == (1, 0.5, 4) and space.luminance() == (1, 3, 1)
+        assert space.told("matrix", space.from_rec709()) == {"matrix": [0, 0.5, 0, 0.5, 0, 0, 0, 0, 1]}
+        red, green, blue = space.XYZ_TO_REC709
+        assert np.allclose(space.from_xyz(), (np.multiply(green, 0.5), np.multiply(red, 0.5), blue))
 
 
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
