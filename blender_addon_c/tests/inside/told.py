@@ -1408,7 +1408,7 @@ def test_a_world_of_nodes_at_its_poles():
     camera = common.camera(scene)
     camera.data.type, camera.data.ortho_scale, scene.render.film_transparent = "ORTHO", 1, False
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, replaced(module("export.around"), _ROWS={False: (128, 256)}):
         for turn, blue in ((0.0, 0.0), (math.pi, 1.0)):
             camera.rotation_euler = (turn, 0, 0)
             common.render(os.path.join(folder, "a.exr"))
@@ -1440,11 +1440,13 @@ def test_which_cloth_goes_with_a_scenes_unit():
     size, scene = module("fabric.size"), common.empty_scene()
     tree = common.tree_of(bpy.data.materials.new("cloth"))
     place, told = tree.nodes.new("ShaderNodeNewGeometry"), []
-    for name, mode, linked in (("length", "LENGTH", False), ("world", "REAL", True), ("map", "REAL", False)):
-        node = tree.nodes.new("LibshadeFabricNode")
-        node.name, node.size_mode = name, mode
-        if linked:
-            tree.links.new(place.outputs["Position"], node.inputs["Vector"])
+    with bare_cloth() as (other, node):
+        other.nodes.remove(node)
+        for name, mode, linked in (("length", "LENGTH", False), ("world", "REAL", True), ("map", "REAL", False)):
+            node = tree.nodes.new("LibshadeFabricNode")
+            node.name, node.size_mode = name, mode
+            if linked:
+                tree.links.new(place.outputs["Position"], node.inputs["Vector"])
     size.follow_unit(scene)
     with replaced(type(tree.nodes["length"]), update_preview=lambda node, unit=None: told.append((node.name, unit))):
         size.follow_unit(scene)
