@@ -279,10 +279,13 @@ def test_shares_that_make_no_picture_are_told(tmp_path):
     first, last, both = shared(tmp_path, path, [("--share", "0,8"), ("--share", "8,20"), ("--share", "4,12")])
     elsewhere = tmp_path / "elsewhere.shshare"
     assert run(path, "-o", elsewhere, "--share", "0,8", "--seed", "3").returncode == 0
+    fewer = tmp_path / "fewer.shshare"
+    assert run(path, "-o", fewer, "--share", "0,8", "--samples", "16").returncode == 0
     broken = tmp_path / "broken.shshare"
     broken.write_bytes(first.read_bytes()[:-8])
     for words, said in (((first,), "shares are missing: these have 40 % of"), ((first, both, last), f"{first} and {both}: both have"),
-                        ((elsewhere, last), "its samples and seed must be those of the others"), ((broken, last), f"{broken}: it must end in the checksum"),
+                        ((elsewhere, last), "its samples and seed must be those of the others"),
+                        ((fewer, last), "its samples and seed must be those of the others"), ((broken, last), f"{broken}: it must end in the checksum"),
                         ((path,), "no share of a picture"), ((tmp_path / "no", last), "no: No such file")):
         done = run(path, "-o", tmp_path / "x.exr", "--merge", *words)
         assert done.returncode == 1 and said in done.stderr, (words, done.stderr)
