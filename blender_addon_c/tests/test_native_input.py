@@ -26,7 +26,7 @@ from native_scenes import (
     vectors,
 )
 
-COST = 0.8
+COST = 0.9
 
 SHADE = ROOT / "build/shade"
 PIXELS = np.zeros((2, 2, 4), np.float32)
@@ -160,6 +160,61 @@ def change(path, value):
 def test_malformed_scene_says_where(path, value, message):
     with pytest.raises(ValueError, match=message):
         native.start(change(path, value))
+
+
+def floats(count):
+    return np.zeros(count, np.float32)
+
+
+LENS = ortho() | {"lens": (1, 1), "focus": 1.0, "blades": 0, "turn": 0.0}
+ROUND = ortho() | {"type": "PANO", "panorama": "MIRRORBALL", "fov": 1.0, "focal": 1.0, "range": [0.0] * 4, "sensor": (1.0, 1.0), "polynomial": [0.0] * 5}
+PATTERN = {"width": 1, "height": 1, "data": floats(3), "axes": [1, 0, 0, 0, 1, 0, 0, 0, 1]}
+MOTION = "motion must be 12 numbers at each of 2 to 129 times"
+SHAPES = "moved_positions must be all positions at each of 2 to 129 times"
+DIFFUSE = {"closure": "DIFFUSE", "model": "OREN_NAYAR", "roughness": [0.0], "color": (1, 1, 1)}
+CURVE = {"type": "CURVE", "x": [0.0], "in": [0.0], "low": 0.0, "high": 1.0, "out": [(3,)]}
+
+
+@pytest.mark.parametrize("path, value, message", [
+    (("camera",), LENS | {"lens": (-1, 1)}, "camera: lens must be two lengths from 0 on"), (("camera",), LENS | {"lens": (1, -1)}, "camera: lens must be two lengths"),
+    *((("camera", "motion"), floats(count), f"camera: {MOTION}") for count in (12, 25, 12 * 130)), (("instances", 0, "motion"), floats(12), r"instances\[0\]: " + MOTION),
+    (("camera", "clip"), (2, 1), "clip must be two distances from 0 on, near before far"), (("camera", "panorama"), "NONE", None), (("camera",), ROUND | {"panorama": "FLAT"}, "camera: panorama must be one of "),
+    *((("region",), region, "region must be x0, y0, x1, y1 inside of the picture") for region in ((-1, 0, 5, 5), (0, 0, 5, 17), (0, 0, 17, 5))),
+    *((("region",), region, "region is empty") for region in ((5, 4, 5, 9), (9, 4, 5, 9), (4, 5, 9, 5))),
+    (("meshes", 0, "positions"), floats(10), r"meshes\[0\]: positions must be 3 floats per position"),
+    (("meshes", 0, "corner_position"), np.zeros(5, np.int32), r"meshes\[0\]: corner_position must be 3 indices per triangle"),
+    *((("meshes", 0, "moved_positions"), floats(count), r"meshes\[0\]: " + SHAPES) for count in (12, 25, 12 * 130)),
+    (("layers",), [{"width": 3}], r"layers\[0\]: width must be 2 or 4"), (("layers",), [{"width": 2}, {"width": 2, "tangents_of": 0}], r"layers\[1\]: tangents_of must be a layer of two numbers"),
+    (("layers",), [{"width": 4}, {"width": 4, "tangents_of": 0}], r"layers\[1\]: tangents_of must be a layer of two numbers"), (("layers",), [{"width": 4, "tangents_of": 0}], r"layers\[0\]: tangents_of must be"),
+    (("lights", 0, "pattern"), PATTERN, r"lights\[0\]: a sun shines one way and has no pattern"), (("lights", 1, "pattern"), PATTERN | {"face": True}, r"lights\[1\].pattern: face must be an area light"),
+    (("lights", 1, "pattern"), PATTERN | {"axes": [1, 0, 0, 0, 0, 0, 0, 0, 1]}, r"lights\[1\].pattern: axes must be three directions"), (("lights", 1, "pattern"), PATTERN, None),
+    (("images", 0), image(PIXELS) | {"width": 65536, "height": 65536}, r"images\[0\]: the image has too many pixels"),
+    *((("cloths",), [{"preset": "denim", "size": 1.0, "counts": counts}], r"cloths\[0\]: counts must be two numbers from .01 to 10000") for counts in ((0.009, 1), (1, 10001), (-1, 1))),
+    *((("cloths",), [{"preset": "denim", "repeats": repeats}], r"cloths\[0\]: repeats must be two numbers to a million") for repeats in ((1.1e6, 1), (1, -1.1e6))),
+    (("materials", 0, "nodes", 0), {"type": "GEOMETRY", "what": "NORMAL", "shift": [0.0, 0.0], "out": [(3,), (4,), (5,)]}, r"nodes\[0\]: shift: only UV has one"),
+    (("materials", 0), {"name": "two", "nodes": [], "closures": [DIFFUSE | {"own": [0, 0, 1]}]}, "own must be three registers"),
+    (("materials", 0), {"name": "none", "nodes": [], "closures": []}, "closures has 0 items; 1 to "),
+    *((("materials", 0, "nodes", 0), CURVE | {"table": floats(count)}, "table must be 2 to 65536 numbers") for count in (1, 65537))])
+def test_malformed_parts_say_what_is_expected(path, value, message):
+    """Whole messages; None: it is taken."""
+    if message is None:
+        native.free(native.start(change(path, value)))
+        return
+    with pytest.raises(ValueError, match=message):
+        native.start(change(path, value))
+
+
+def test_cameras_that_some_things_cannot_have():
+    """A dump is of a flat picture, and another look at a scene that is there stands still."""
+    with pytest.raises(ValueError, match="camera: a dump needs one that is not panoramic"):
+        native.start(change(("camera",), ROUND) | {"dump": "x"})
+    given = scene(width=2, height=2, samples=1, apart=1)
+    job = native.start(given)
+    finish(job)
+    moving = given["camera"] | {"motion": np.tile(np.float32([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 3]) + floats(12), 2) + np.repeat(np.float32([0, 1]), 12)}
+    with pytest.raises(ValueError, match="camera must be one that stands still"):
+        native.look(job, {key: given[key] for key in ("width", "height", "samples", "region")} | {"camera": moving})
+    native.free(job)
 
 
 # What each number may be at least and at most, as export/ keeps to it; of what is whole the next ones are none
