@@ -5,7 +5,7 @@ import pytest
 
 from scenes import LAMP, OBJECTS, SUN, dot, finish, largest_error, normalise, saddle, scene
 
-COST = 6.6
+COST = 5.9
 
 BUMPS = "normal { bumps .4 scale .2 }"
 
@@ -86,7 +86,7 @@ def test_scaled_sphere_tangent_is_carried_along(render):
 
 def test_mesh_tangent_follows_u(render):
     # the saddle's u = (x + z)/2: on the tangent plane of the smooth normal, along the surface's (1, y', 1)
-    dump = render(scene(textured("mesh2")), (160, 120)).dump
+    dump = render(scene(textured("mesh2")), (112, 84)).dump
     x, z = dump.P[dump.hit][:, 0], dump.P[dump.hit][:, 2]
     du = np.stack([np.ones_like(x), .6 * (x - z), np.ones_like(x)], -1)
     n = dump.N[dump.hit]
@@ -116,7 +116,7 @@ def test_axis_tangent_moves_with_the_object(render):
 def test_irradiance_is_pi_times_the_light(render):
     # a blocker in front of the lamp only
     objects = textured("sphere", bumps="") + "sphere { <-3, 1, -2>, .3 pigment { rgb 1 } }\n"
-    dump = render(scene(objects), (160, 120)).dump
+    dump = render(scene(objects), (112, 84)).dump
     sun, lamp = dump.E[0][dump.hit], dump.E[1][dump.hit]
     lit = sun[:, 0] > 0
     np.testing.assert_allclose(sun[lit], np.tile(np.pi * np.array([1, .9, .8]), (lit.sum(), 1)), rtol=1e-6)
@@ -180,8 +180,8 @@ def test_materials_and_misses(render, shade_check):
 def test_threads_do_not_matter(render):
     # no_shadow: POV-Ray's self-shadowing depends on what the thread traced just before (its shadow cache)
     text = scene(textured(saddle(extra="no_shadow ")))
-    one = render(text, (160, 120), ["+WT1"]).dump.channels
-    four = render(text, (160, 120), ["+WT4", "+BS8"]).dump.channels
+    one = render(text, (112, 84), ["+WT1"]).dump.channels
+    four = render(text, (112, 84), ["+WT4", "+BS8"]).dump.channels
     assert all(np.array_equal(one[name], four[name]) for name in one)
 
 

@@ -208,6 +208,8 @@ sphere { y, .5 pigment { rgb 1 } }
     ("bump_image { strength 1e300 * 1e300 png \"broken.png\" }", "mdf: bump_image strength is not a finite number."),
     ("bump_image { png \"broken.png\" strength }", "mdf: bump_image strength needs a number, } found instead."),
     ("tangent <0, 0, 0>", "mdf: tangent <0, 0, 0> has no direction."),
+    ("tangent <1e-20, 0, 0>", "mdf: tangent <1e-20, 0, 0> has no direction."), ("fabric { weave 2e9, 1, 1 }", "mdf: weave needs three whole numbers: ends under, ends over, shift; 2e+09 is none."),
+    ("fabric { weave 4096, 1, 0 }", "mdf: there is no weave 4096, 1, 0: ends under (1 at least) and over (0 at least) are 4096 together at most."),
     ("tangent <1e300 * 1e300, 0, 0>", "mdf: tangent <inf, 0, 0> has no direction."),
     ("tangent radial", "mdf: expected an axis after 'tangent radial', as in tangent radial y, but found }."),
     ("tangent radial y at", "mdf: expected a point after 'at', but found }."), ("ggx .1, .2, .3", ", a comma found instead; 'ggx' takes no more than what stands before that."),
@@ -391,6 +393,22 @@ def test_numbers_are_taken_as_the_manual_says(render):
     within = "".join(f"#declare F = finish {{ mdf {{ {BLOCKS[block][0].format(f'{word} ' + ', '.join([f'{end:.17g}'] * (1 + (word in ('stretch', 'depth')))))} }} }}\n"
                      for (block, word), ends in words.items() for end in ends if word not in ("ends_per_cm", "picks_per_cm", "tile_mm"))
     assert "it is taken as" not in render(scene(within), (8, 6), dump=False).message
+
+
+# What is taken as it stands, and what is cut, with the warning; a person's
+AS_IT_STANDS = ["tangent <1e-9, 0, 0>", "roughness 1", "ggx 1, 1", "ward 1, .5", "ashikhmin_shirley 1, 1", "reflection { samples 4096 clamp 0 }", "scratches { " + 8 * "layer { pits 1 } " + "}",
+                "fabric { weave 4095, 1, 0 }", "fabric { weave 1, 0, -3 }", "scratches { layer { spread 90 direction -500 } }", "scratches { seed 1e12 }", "fabric { seed -5 }",
+                "horizon mutual slopes .1, .1, .2, .2, .2", "roughness .5, .25"]
+CUT = [("reflection { samples 2.5 }", "reflection samples is 2.5; it is taken as 2."), ("scratches { layer { pits 2.5 } }", "pits is 2.5; it is taken as 2."),
+       ("reflection { clamp -2 }", "reflection clamp is -2; it is taken as 0."), ("roughness 1e-7", "roughness is 1e-07; it is taken as 1e-06."),
+       ("horizon mutual slopes 0, 0, .2, .3, .2", "slopes xy is 0.3; it is taken as 0.2."), ("horizon mutual slopes 0, 0, -1, 0, .2", "slopes xx is -1; it is taken as 0.")]
+
+
+def test_what_is_taken_as_it_stands(render):
+    begin = NEWER + "#declare F = finish {{ mdf {{ {} }} }}\n"
+    assert "mdf:" not in render(scene("".join(begin.format(block) for block in AS_IT_STANDS)), (8, 6), dump=False).message
+    said = render(scene("".join(begin.format(block) for block, _ in CUT)), (8, 6), dump=False).message
+    assert [warning for _, warning in CUT if f"mdf: {warning}" not in said] == [] and said.count("mdf:") == len(CUT), said
 
 
 def test_defaults_are_the_manuals(material):
