@@ -301,6 +301,7 @@ def test_mistakes_are_named(render, block, said):
 
 @pytest.mark.parametrize("finish, said", [
     ("finish { mfd { } }", "No matching } in 'finish', 'mfd' found instead; did you mean 'mdf'?"), ("finish { MDF { } }", "did you mean 'mdf'?"),
+    ("finish { mdf 3 }", "mdf: expected '{' or 'off' after 'mdf', but found a number."), ("finish { mdf on }", "mdf: expected '{' or 'off' after 'mdf', but found on."),
     ("finish { ambient 0 } mdf { }", "No matching } in 'texture', 'mdf' found instead; 'mdf' stands in finish { }."),
     ("finish { preset \"denim\" }", "No matching } in 'finish', 'preset' found instead; a word of that name stands in mdf { } of a finish."),
     ("finish { mdf { ggx .1, .2 //", f"Expected '{WORDS}', the end of the file found instead."), ("finish { mdf { ggx //", "mdf: ggx: alpha along needs a number, the end of the file found instead."),
@@ -573,7 +574,7 @@ def test_a_block_is_taken_off(render):
                                          ("fabric { } reflection { } notes off", None), ("specular .5 fabric { } fabric off", None)])
 def test_what_has_no_part_in_a_cloth_is_said(render, words, said):
     log = render(scene(sphere(words)), (8, 8)).message
-    assert ("no part in a cloth" in log) == bool(said) and (said or "") in log
+    assert ("no part in a cloth; what its yarns are is said inside fabric { }." in log) == bool(said) and (said or "") in log
 
 
 def test_notes_tell_a_block_once(render):
