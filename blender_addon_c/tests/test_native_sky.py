@@ -129,3 +129,10 @@ def test_nodes_of_a_sky_know_the_way(what, sign, to):
         seen, _ = render(scene(images=[image(np.ones((4, 8, 3), np.float32))], sky={**sky(), "shader": 2}, materials=[SURFACES["matt"], shader], meshes=[],
                                lights=[], transparent=False, width=1, height=1, samples=1, camera=ortho(1e-4, eye=tuple(-3 * way))))
         np.testing.assert_allclose(seen[0, 0, :3], light, rtol=1e-4, atol=1e-4)
+
+
+def test_a_sky_for_the_camera_alone_is_all_that_it_sees():
+    """In place of the even light, which is a colour of its own, not beside it."""
+    seen, _ = render(scene(images=[image(np.full((4, 8, 3), 0.5, np.float32))], background=(5, 3, 1), backdrop_sky=sky(), meshes=[], lights=[], transparent=False,
+                           width=2, height=2, samples=1))
+    np.testing.assert_allclose(seen[..., :3], 0.5, rtol=1e-5)
