@@ -12,7 +12,7 @@
 #include "model/mdf.h"
 #include "support.h"
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef SANITIZED
 enum { CASES = 5 };
 #else
 enum { CASES = 20 };
