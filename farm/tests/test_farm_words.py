@@ -314,6 +314,9 @@ def test_durations_and_progress(job, monkeypatch):
     whole(made, 0)
     monkeypatch.setattr(local, "time", Of(time=lambda: 130.0))
     assert local._progress(made, 100, 0, 1) == "1 of 4 items are whole, 01:30 remain" and local._progress(made, 100, 1, 1) == "1 of 4 items are whole"
+    whole(made, 1)
+    whole(made, 2)
+    assert local._progress(made, 100, 2, 1) == "3 of 4 items are whole, 00:30 remain"  # two were there before it began
     assert local.commands(made, [0, 1]) == [f"python3 '{made.folder}/farm.pyz' item '{made.folder}' {number}" for number in (0, 1)]
 
 
@@ -482,6 +485,8 @@ def test_what_a_scene_of_pov_ray_needs(tmp_path):
         "words": [str(home / "s.ini"), "+A0.2"], "no_tiles": ""}
     ask = lambda *words: povray.examine(str(home / "a.pov"), options(words=["+W64", "+H48", *words]))
     assert not ask()["clock"] and ask("+KFF9")["clock"] and ask("Height=50")["size"] == [64, 50] and ask("-w32")["size"] == [32, 48]
+    for words in ([], ["+W64"], ["+H48"]):
+        assert povray.examine(str(home / "a.pov"), options(words=words))["no_tiles"] == "tiles need the picture's size: give +W and +H behind --", words
     assert ask("+FN")["no_tiles"] == ask("+FN16")["no_tiles"] == "" and ask("+FE")["no_tiles"] == ask("Output_File_Type=J")["no_tiles"] == "tiles are joined as PNG (+FN) only"
     (home / "a.pov").write_text("global_settings { radiosity { } }")
     assert ask()["no_tiles"].startswith("radiosity gathers light over what is rendered")
@@ -557,7 +562,7 @@ def test_what_a_file_of_blender_needs(monkeypatch, tmp_path):
         if task == "examine":
             files.write_json(place, about)
         else:
-            for name, one in (("frame.shscene", header()), ("frame-b.shscene", header(cloths=[1]))):
+            for name, one in (("frame.shscene", header()), ("frame-b.shscene", header(cloths=[1], adaptive_threshold=.1))):
                 text = json.dumps(one).encode()
                 (pathlib.Path(place).parent / name).write_bytes(b"shscene\n" + struct.pack("<II", len(text), 1) + text)
     asked, real = [], blender._ask
@@ -566,6 +571,7 @@ def test_what_a_file_of_blender_needs(monkeypatch, tmp_path):
     assert blender.examine(str(scene), options()) == plain and asked == [("examine", None)]
     found = blender.examine(str(scene), options(tiles=(1, 2)))
     assert (found["programs"], found["cloth"], found["size"], found["layer"], asked[-1]) == (["blender", "shade-render"], True, [40, 24], "V.Combined", ("save", 4))
+    assert found["no_shares"].startswith("the scene has adaptive sampling")  # one of its layers has
     for more, said in (({"engine": "CYCLES"}, "the file's engine is CYCLES: only libshade renders tiles and shares; give -E LIBSHADE behind --"),
                        ({"composites": True}, "the file composites or edits its frames after they are rendered"), ({"sequences": True}, "the file composites or edits")):
         before = dict(about)

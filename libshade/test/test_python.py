@@ -817,6 +817,10 @@ def test_scratches():
     seen = field.look_up([(x + 0.5) / 400, 1 - (y + 0.5) / 400]).normal
     assert seen == pytest.approx(normal[y, x], abs=1e-6)
     assert field.picture(100, 100, samples=4)[0] == pytest.approx(height.reshape(100, 4, 100, 4).mean((1, 3)), abs=1e-7)
+    for name, ends, seen in (("depth", (.05, .8), lambda h: -h.min() / .05), ("radius", (.005, .05), lambda h: -h.min() / .2), ("stretch", (1, 20), lambda h: np.mean(h < 0))):
+        same = {"pits": 60, "radius": .05 if name == "depth" else .005, "stretch": 1, "depth": .2}
+        least, most, between = (seen(shade.Scratches(same | {name: value}, cells=0).picture(100, 100)[0]) for value in (ends[0], ends[1], ends))
+        assert 2 * least < between < most, name  # from one end of the range to the other
     tall = shade.Scratches({"pits": 3, "radius": 0.1, "stretch": 1, "depth": 0.2}, cells=0, seed=3, aspect=2).picture(200, 400)[0]
     assert np.mean(tall < 0) == pytest.approx(np.mean(height < 0) / 2, rel=0.05)
     for layer, error, says in (({"depth": 2}, ValueError, "depth: 2.* given; expected a number from 0 to 0.99"),
