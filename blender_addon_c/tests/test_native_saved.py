@@ -180,6 +180,14 @@ def test_a_broken_file_is_told_by_its_key(tmp_path, path, change, said):
     assert done.returncode == 1 and f"shade-render: {path}: {said}" in done.stderr and not (tmp_path / "x.exr").exists(), done.stderr
 
 
+def test_a_file_that_ends_in_its_header_is_told(tmp_path, path):
+    whole = path.read_bytes()
+    for end in (16, 64, 640):
+        path.write_bytes(whole[:end])
+        done = run(path, "-o", tmp_path / "x.exr")
+        assert done.returncode == 1 and f"shade-render: {path}: its header must end in the file" in done.stderr, (end, done.stderr)
+
+
 def test_damaged_files(tmp_path, files):
     """Of 5,000 that `make soak` tries under sanitizers."""
     for seed in range(max(40, few(72))):

@@ -417,6 +417,10 @@ static void colors(void **state) {
   d = parse("[COLOR PALETTE]\nForm=CMYK\n[COLOR TABLE]\n1=0,51,0,101\n[WARP]\nColor=1\n" CLOTH);
   has_color(d->warp[0].color, 1 - 101. / 255, .8 * (1 - 101. / 255), 1 - 101. / 255);
   shade_draft_free(d);
+  /* of dark ones, too */
+  d = parse("[COLOR TABLE]\n1=51,0,100\n[WARP]\nColor=1\n" CLOTH);
+  has_color(d->warp[0].color, .2, 0, 100. / 255);
+  shade_draft_free(d);
   /* no Range: by the largest number */
   static const struct {
     int largest, range;
