@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the scenes of examples/blender consist of, as these tables say it: what stands where in which material, its lamps, camera and picture.
 
+The tables were printed from what the scripts built, by inside/example_scenes.py, and read against the scripts. So they tell when a
+scene is no longer what it was; that it was right, its picture alone says.
+
 Each scene has
     picture    engine, width, height, per cent of them, samples of ours and of Cycles, whether ours is denoised, view transform and look, file, format
     camera     place, where it looks, kind, lens (of an orthographic one how wide it sees), where it begins to see; f-number and what distance is sharp
