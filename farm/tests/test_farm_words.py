@@ -6,11 +6,15 @@ import importlib.util
 import json
 import os
 import pathlib
+import runpy
 import signal
 import struct
 import subprocess
 import sys
+import threading
 import time
+import zipfile
+import zlib
 from types import SimpleNamespace as Of
 
 import pytest
@@ -23,6 +27,7 @@ import files  # noqa: E402
 import finish  # noqa: E402
 import item  # noqa: E402
 import job as jobs  # noqa: E402
+import png  # noqa: E402
 import renderers  # noqa: E402
 from engines import local, slurm  # noqa: E402
 from renderers import blender, commands, povray, saved  # noqa: E402
@@ -278,6 +283,9 @@ def whole(job, number, **more):
 
 def test_status(job, capsys, monkeypatch):
     made = job(engine="local", items=[{"frame": frame} for frame in range(1, 8)])
+    files.write_json(made.path("engine.json"), {"engine": "local"})
+    assert main.main(["status", made.folder]) == 0 and capsys.readouterr().out.splitlines() == [
+        "a: 7 items: 0 done, 0 running, 0 failed, 7 wait", f"hangs: nothing runs it on {files.host()}; go on with: libshade-farm resume '{made.folder}'"]
     whole(made, 0, seconds=2.0, megabytes=70)
     whole(made, 1, seconds=4.0, megabytes=50)
     files.write_json(made.path("running", "2"), {"host": "h"})
@@ -597,7 +605,7 @@ def test_lists_of_commands(job, tmp_path):
     with pytest.raises(files.Refusal, match="a.items: commands have no frames"):
         commands.examine(str(listed), options(frames="1"))
     log = Log()
-    assert commands.render(job(scene=str(listed)), {"frame": 1}, str(tmp_path), log) == ["1.txt"] and log.asked == [(["ls"], "/f")]
+    assert commands.render(job(scene=str(listed)), {"frame": 1}, str(tmp_path), log) == ["1.txt"] and log.asked == [(["ls"], "/f")] and (tmp_path / "1.txt").read_bytes() == b"done\n"
     for text in ('{"folder": "", "inputs": [], "items": []}', "no JSON", '{"items": [{"name": "x", "words": ["a", 1]}], "folder": "", "inputs": []}'):
         listed.write_text(text)
         with pytest.raises(files.Refusal, match="JSON with folder, inputs and items, each with a name and words, was expected"):
@@ -757,3 +765,358 @@ def test_a_renderer_is_ended_with_its_item(tmp_path, monkeypatch, obeys):
     with pytest.raises(item.Ended):
         item.Log(str(tmp_path / "log")).run(["renderer"])
     assert asked == [("wait", None), "terminate", ("wait", 20), *([] if obeys else ["kill", ("wait", None)])]
+
+
+class Machine:
+    """Six cores, whose processes are of this test: an item's ends with the first of `ends[number]` that is left, or well."""
+
+    def __init__(self, monkeypatch, job, **ends):
+        self.job, self.ends, self.on = job, {int(name[1:]): list(each) for name, each in ends.items()}, lambda _child: None
+        self.started, self.options, self.at_once, self.killed, self.handlers, self.waits = [], [], [], [], {}, 0
+        machine, lock, running = self, threading.Lock(), set()
+
+        class Child:
+            def __init__(self, words, **options):
+                self.number, self.pid, self.returncode, self.ended = int(words[-1]), 1000 + int(words[-1]), None, threading.Event()
+                machine.started.append(self.number)
+                machine.options.append(options)
+                running.add(self)
+
+            def communicate(self):
+                machine.on(self)
+                with lock:
+                    machine.at_once.append(len(running))
+                    running.discard(self)
+                self.returncode = (machine.ends.get(self.number) or [0]).pop(0)
+                if not self.returncode:
+                    whole(job, self.number)
+                return f" item {self.number} says why \n", None
+
+        class Event(threading.Event):
+            def wait(self, seconds):
+                machine.waits += 1
+                return super().wait(min(seconds, .002))
+
+        def kill(pid, number):
+            self.killed.append((pid, number))
+            for child in [one for one in running if one.pid == pid]:
+                child.ended.set()
+            raise ProcessLookupError  # the first has ended by itself
+        monkeypatch.setattr(files, "host", lambda: "here")
+        monkeypatch.setattr(local.os, "sched_getaffinity", lambda _pid: range(6))
+        monkeypatch.setattr(local.os, "killpg", kill)
+        monkeypatch.setattr(local.subprocess, "Popen", Child)
+        monkeypatch.setattr(local, "threading", Of(Thread=threading.Thread, Lock=threading.Lock, Event=Event))
+        monkeypatch.setattr(local, "signal", Of(SIGINT=2, SIGTERM=15, Signals=signal.Signals, default_int_handler="default", signal=self.handlers.__setitem__))
+
+
+FOUR = [{"frame": frame} for frame in range(4)]
+
+
+def test_items_run_at_once_and_are_tried_again(job, monkeypatch, capsys):
+    """Twice again, and not said to be once more; a killed one is named, too."""
+    made = job(engine="local", items=FOUR, movie=None)
+    machine, all_three = Machine(monkeypatch, made, n1=[1, 4], n3=[-9]), threading.Barrier(3)
+
+    def on(child):
+        if len(machine.started) <= 4 and child.number < 3:
+            all_three.wait(20)
+    machine.on = on
+    assert local.submit(made, [0, 1, 2, 3]) == 0 and machine.started == [0, 1, 2, 3, 1, 3, 1] and max(machine.at_once) == 3
+    out, err = capsys.readouterr()
+    assert err.splitlines() == ["item 1 says why", "2 items failed; they are tried again", "item 1 says why", "1 items failed; they are tried again"]
+    assert out.splitlines() == [f"item 3 (frame 3): its process was ended by SIGKILL; on here, log {made.log(3)}", f"4 of 4 items are whole; frames are in {made.folder}/frames"]
+    assert files.read_json(made.path("engine.json")) == {"engine": "local", "pid": os.getpid(), "host": "here"} and sorted(os.listdir(made.path("frames"))) == [f"{k}.png" for k in range(4)]
+    assert all(one["start_new_session"] and one["stdin"] == subprocess.DEVNULL for one in machine.options) and machine.handlers[2] == "default"
+    with pytest.raises(KeyboardInterrupt):
+        machine.handlers[15](15, None)
+
+
+def test_items_that_never_end_well(job, monkeypatch, capsys):
+    made = job(engine="local", items=FOUR[:2], movie=None, pictures=False, threads=9)
+    machine, seconds = Machine(monkeypatch, made, n0=[2, 2, 2]), iter(range(0, 10**6, 3))
+    monkeypatch.setattr(local, "time", Of(time=lambda: next(seconds)))
+
+    def on(_child):
+        before, end = machine.waits, time.monotonic() + 20
+        while machine.waits < before + 2 and time.monotonic() < end:  # what is done is told of meanwhile
+            time.sleep(.001)
+    machine.on = on
+    assert local.submit(made, [0, 1]) == 1 and machine.started == [0, 1, 0, 0] and set(machine.at_once) == {1}
+    out, err = capsys.readouterr()
+    said = [line for line in err.splitlines() if "remain" not in line and line != "0 of 2 items are whole"]
+    assert said == ["item 0 says why", "1 items failed; they are tried again"] * 2 + [
+        "item 0 says why", f"item 0 (frame 0): it never began; on no machine, log {made.log(0)}"]
+    assert "0 of 2 items are whole" in err and "1 of 2 items are whole, 0" in err and out == f"1 of 2 items are whole; results are in {made.folder}/results\n"
+
+
+@pytest.mark.parametrize("cancelled", [False, True])
+def test_what_runs_is_stopped(job, monkeypatch, capsys, cancelled):
+    """By Ctrl-C, or by `cancel` elsewhere: no more begin, none is said to have failed."""
+    made = job(engine="local", items=FOUR, movie=None)
+    machine = Machine(monkeypatch, made, **{f"n{k}": [-15] for k in range(4)})
+
+    def on(child):
+        if child.number == 2 and cancelled:
+            files.write_json(made.path("cancelled"), {})
+        elif child.number == 2:
+            machine.handlers[2](2, None)
+        assert child.ended.wait(20)
+    machine.on = on
+    assert local.submit(made, [0, 1, 2, 3]) == 130 and machine.started == [0, 1, 2] and sorted(machine.killed) == [(1000, 15), (1001, 15), (1002, 15)]
+    assert capsys.readouterr() == ("", f"stopped; go on with: libshade-farm resume '{made.folder}'\n") and not os.path.exists(made.path("finished.json"))
+
+
+# ---- what runs within Blender
+
+
+class Blender:
+    """Its Python, as far as in_blender.py asks; `done` are its operators, in their order."""
+
+    def __init__(self, monkeypatch, path, images=(), objects=(), saves=("FINISHED",), **render):
+        self.done, node = [], lambda name: lambda **words: self.done.append((name, words)) or set(saves)
+        self.settings = Of(file_format="OPEN_EXR", media_type="MULTI")
+        self.render = Of(**{"fps": 30, "fps_base": 1.25, "engine": "LIBSHADE", "use_compositing": True, "use_sequencer": True, "image_settings": self.settings, "filepath": "", **render})
+        self.scene = Of(sequence_editor=None, use_nodes=False, frame_start=2, frame_end=8, frame_step=3, frame_current=5, render=self.render,
+                        frame_set=lambda frame: self.done.append(frame))
+        blend_paths = lambda absolute, packed, local: ["/elsewhere/b.png", ""] if (absolute, packed, local) == (True, False, False) else ["/wrong"]
+        ops = Of(render=Of(render=node("render")), libshade=Of(save_scene=node("save_scene")), file=Of(pack_all=node("pack_all"), pack_libraries=node("pack_libraries")),
+                 wm=Of(save_as_mainfile=node("save")))
+        monkeypatch.setitem(sys.modules, "bpy", Of(data=Of(filepath=path, images=images, objects=objects), utils=Of(blend_paths=blend_paths), context=Of(scene=self.scene), ops=ops,
+                                                   path=Of(abspath=lambda text, library=None: text.replace("//", f"{os.path.dirname(library or path)}/"))))
+        self.patch = monkeypatch
+
+    def run(self, task, **said):
+        self.patch.setattr(sys, "argv", ["blender", "-b", "--", "--farm", task, json.dumps(said)])
+        runpy.run_path(str(ROOT / "farm/renderers/in_blender.py"))
+
+
+def test_what_a_file_reads_and_asks_for(monkeypatch, tmp_path):
+    for name in ("maps/a_01.png", "maps/a_02.png", "maps/b_01.png", "maps/t.1001.png", "maps/t.1002.png", "far/l_1.png", "far/l_22.png", "blendcache_x/cloth.bphys", "liquid/deep/one.vdb",
+                 "blendcache_y/cloth.bphys"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    image = lambda source, path, packed=None, library=None: Of(source=source, filepath=path, packed_file=packed, library=library)
+    images = [image("SEQUENCE", "//maps/a_01.png"), image("TILED", "//maps/t.<UDIM>.png"), image("SEQUENCE", "//l_1.png", library=f"{tmp_path}/far/l.blend"),
+              image("FILE", "//maps/b_01.png"), image("SEQUENCE", "//maps/b_01.png", packed=1), image("SEQUENCE", ""), image("SEQUENCE", "//nowhere/c_1.png")]
+    domain = lambda folder: Of(domain_settings=Of(cache_directory=folder))
+    made = Blender(monkeypatch, f"{tmp_path}/x.blend", images, [Of(modifiers=[Of(), domain(""), Of(domain_settings=None)]), Of(modifiers=[domain("//liquid")])])
+    made.run("examine", place=str(tmp_path / "told"))
+    names = ["blendcache_x/cloth.bphys", "far/l_1.png", "far/l_22.png", "liquid/deep/one.vdb", "maps/a_01.png", "maps/a_02.png", "maps/t.1001.png", "maps/t.1002.png", "x.blend"]
+    assert files.read_json(str(tmp_path / "told")) == {"inputs": ["/elsewhere/b.png", *(f"{tmp_path}/{name}" for name in names)], "frames": [2, 8, 3], "frame": 5, "rate": 24,
+                                                       "engine": "LIBSHADE", "composites": False, "sequences": False}
+
+    def asks(render=(), **scene):
+        one = Blender(monkeypatch, f"{tmp_path}/none/x.blend", **dict(render))
+        vars(one.scene).update(scene)
+        one.run("examine", place=str(tmp_path / "told"))
+        told = files.read_json(str(tmp_path / "told"))
+        return told["composites"], told["sequences"]
+    assert asks(use_nodes=True) == (True, False) == asks(use_nodes=False, compositing_node_group=Of()) and asks(use_nodes=True, compositing_node_group=None) == (False, False)
+    assert asks(sequence_editor=Of(strips_all=[1])) == asks(sequence_editor=Of(sequences_all=[1])) == (False, True) and asks(sequence_editor=Of(strips_all=[])) == (False, False)
+    assert asks({"use_compositing": False, "use_sequencer": False}, use_nodes=True, sequence_editor=Of(strips_all=[1])) == (False, False)
+
+
+def test_what_blender_does_for_an_item(monkeypatch):
+    """A frame as the file has it, but pictures of what would be a movie; a scene that is saved, or an error."""
+    for kind, wanted in (("OPEN_EXR", ("OPEN_EXR", "MULTI")), ("FFMPEG", ("PNG", "IMAGE")), ("AVI_JPEG", ("PNG", "IMAGE")), ("AVI_RAW", ("PNG", "IMAGE"))):
+        made = Blender(monkeypatch, "/x.blend")
+        made.settings.file_format = kind
+        made.run("render", frame=7, place="/w/a_0007")
+        assert (made.settings.file_format, made.settings.media_type) == wanted and made.done == [7, ("render", {"write_still": True})]
+        assert (made.render.filepath, made.render.use_file_extension, made.render.use_overwrite, made.render.use_placeholder) == ("/w/a_0007", True, True, False)
+    made = Blender(monkeypatch, "/x.blend")
+    del made.settings.media_type  # before 5.0
+    made.settings.file_format = "FFMPEG"
+    made.run("render", frame=7, place="/w/a")
+    assert vars(made.settings) == {"file_format": "PNG"}
+    made = Blender(monkeypatch, "/x.blend")
+    made.run("save", frame=3, place="/w/frame.shscene")
+    made.run("pack", place="/w/x.blend")
+    assert made.done == [3, ("save_scene", {"filepath": "/w/frame.shscene"}), ("pack_all", {}), ("pack_libraries", {}),
+                         ("save", {"filepath": "/w/x.blend", "copy": True, "compress": True})]
+    with pytest.raises(RuntimeError, match="the scene cannot be saved"):
+        Blender(monkeypatch, "/x.blend", saves=["CANCELLED"]).run("save", frame=3, place="/w/frame.shscene")
+
+
+def test_packed_scenes(monkeypatch, tmp_path):
+    """Each kind's, in the submission's folder; what Blender cannot pack is named, what is absent is not."""
+    folder, asked = tmp_path / "inputs", []
+    folder.mkdir()
+    (tmp_path / "movie.mp4").touch()
+
+    def ask(scene, _options, task, place):
+        asked.append((scene, task))
+        pathlib.Path(place).write_text(json.dumps({"inputs": [str(folder / "a.blend"), str(tmp_path / "none.png"), *more]}))
+    monkeypatch.setattr(blender, "_ask", ask)
+    more = []
+    assert blender.pack("/x/a.blend", [], str(folder), options()) == f"{folder}/a.blend" and asked == [("/x/a.blend", "pack"), (f"{folder}/a.blend", "examine")]
+    more = [str(tmp_path / "movie.mp4")]
+    with pytest.raises(files.Refusal, match="movie.mp4: Blender cannot pack it; submit without --pack, from a shared folder"):
+        blender.pack("/x/a.blend", [], str(folder), options())
+    for of, name in ((saved, "a.shscene"), (commands, "a.items")):
+        (tmp_path / name).write_text(name)
+        assert of.pack(str(tmp_path / name), [], str(folder), options()) == f"{folder}/{name}" and (folder / name).read_text() == name
+
+
+# ---- PNG
+
+
+def chunk(kind, body, more=0):
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body) ^ more)
+
+
+def png_of(path, rows, header=(3, 1, 8, 0, 0, 0, 0), begin=b"\x89PNG\r\n\x1a\n", more=(), wrong=0, end=b"IEND"):
+    path.write_bytes(begin + chunk(b"IHDR", struct.pack(">IIBBBBB", *header)) + b"".join(chunk(*one) for one in more) + chunk(b"IDAT", zlib.compress(bytes(rows)), wrong) + chunk(end, b""))
+    return str(path)
+
+
+@pytest.mark.parametrize("kind, row, wanted", [
+    (0, [10, 20, 250], [10, 20, 250]), (1, [10, 20, 250], [10, 30, 24]), (2, [10, 20, 250], [110, 220, 194]), (3, [10, 20, 250], [60, 150, 169]),
+    (4, [10, 20, 250], [110, 220, 214]), (4, [200, 1, 2], [44, 101, 103]), (4, [206, 1, 2], [50, 201, 203])])
+def test_rows_of_a_png(tmp_path, kind, row, wanted):
+    """By the standard's filters, worked out by hand: the last by the left, the upper and the upper left neighbour; the row above is 100, 200, 200."""
+    place = png_of(tmp_path / "a.png", [0, 100, 200, 200, kind, *row], (3, 2, 8, 0, 0, 0, 0))
+    assert list(png.rows_of(place)[2][1]) == wanted and len(png.rows_of(place, 1)[2]) == 1
+
+
+@pytest.mark.parametrize("kind, bits, step", [(0, 8, 1), (2, 8, 3), (3, 8, 1), (4, 8, 2), (6, 8, 4), (0, 16, 2), (6, 16, 8)])
+def test_bytes_of_a_pixel(tmp_path, kind, bits, step):
+    assert png.rows_of(png_of(tmp_path / "a.png", [1, *[7] * step, *[1] * step], (2, 1, bits, kind, 0, 0, 0)))[1:] == (step, [bytes([7] * step + [8] * step)])
+
+
+@pytest.mark.parametrize("more, said", [
+    ({"begin": b"GIF89a.."}, "no PNG"), ({"wrong": 1}, "chunk IDAT must have its checksum"), ({"end": b"tEXt"}, "it must begin with IHDR and end with IEND"),
+    ({"header": (3, 1, 4, 0, 0, 0, 0)}, "a PNG of 8 or 16 bits a channel, not interlaced, was expected"), ({"header": (3, 1, 8, 0, 0, 0, 1)}, "a PNG of 8 or 16 bits"),
+    ({"header": (3, 1, 8, 5, 0, 0, 0)}, "a PNG of 8 or 16 bits"), ({"header": (3, 2, 8, 0, 0, 0, 0)}, "it must have 2 rows")])
+def test_pngs_that_are_none(tmp_path, more, said):
+    with pytest.raises(files.Refusal, match=f"a.png: {said}"):
+        png.rows_of(png_of(tmp_path / "a.png", [0, 1, 2, 3], **more))
+
+
+def test_tiles_of_pngs(tmp_path):
+    """Each tile's own pixels; all that tells of colours is the first's."""
+    a, b = (png_of(tmp_path / f"{name}.png", [0, *row, 0, *row], (3, 2, 8, 0, 0, 0, 0), more=[(b"gAMA", name.encode())]) for name, row in (("a", [1, 2, 3]), ("b", [4, 5, 6])))
+    png.paste([(a, (0, 0, 3, 1)), (a, (0, 1, 1, 1)), (b, (1, 1, 2, 1))], tmp_path / "all.png")
+    chunks, step, rows = png.rows_of(tmp_path / "all.png")
+    assert [list(row) for row in rows] == [[1, 2, 3], [1, 5, 6]] and step == 1 and [kind for kind, _body in chunks] == [b"IHDR", b"gAMA", b"IDAT", b"IEND"] and chunks[1][1] == b"a"
+    other = png_of(tmp_path / "other.png", [0, 1, 2, 3], (1, 1, 8, 2, 0, 0, 0))
+    with pytest.raises(files.Refusal, match="other.png: its size and channels must be those of the other tiles"):
+        png.paste([(a, (0, 0, 3, 1)), (other, (0, 0, 1, 1))], tmp_path / "all.png")
+
+
+# ---- what can go wrong with folders and disks
+
+
+def test_the_program_packs_itself(monkeypatch, tmp_path):
+    """One file that can be run and holds no tests; packed so, it copies itself and finds what was built beside it."""
+    place = tmp_path / "build/libshade-farm"
+    place.parent.mkdir()
+    assert main.main(["pack-itself", str(place)]) == 0 and place.stat().st_mode & 0o777 == 0o755 and place.read_bytes().startswith(b"#!/usr/bin/env python3\n")
+    names = zipfile.ZipFile(place).namelist()
+    assert {"__main__.py", "engines/slurm.py", "renderers/in_blender.py"} <= set(names) and all(name.endswith((".py", "/")) and not name.startswith("tests/t") for name in names)
+    assert main.built() == str(ROOT / "build")
+    monkeypatch.setattr(main, "HERE", str(place))
+    main.own_program(str(tmp_path / "farm.pyz"))
+    assert main.built() == str(place.parent) and (tmp_path / "farm.pyz").read_bytes() == place.read_bytes()
+    with pytest.raises(SystemExit):
+        main.main(["pack-itself"])
+
+
+def test_files_appear_whole_or_not_at_all(monkeypatch, tmp_path):
+    place = tmp_path / "a.json"
+    files.write_json(str(place), 1)
+    with pytest.raises(TypeError):
+        files.write_json(str(place), {"a": object()})
+    assert files.read_json(str(place)) == 1 and os.listdir(tmp_path) == ["a.json"]
+    other = tmp_path / "b.png"
+    other.write_text("b")
+    for links in (True, False):  # a disk without links gets a copy
+        files.publish(str(other), str(tmp_path / "shown/a.png"))
+        assert os.path.samefile(other, tmp_path / "shown/a.png") == links and (tmp_path / "shown/a.png").read_text() == "b" and os.listdir(tmp_path / "shown") == ["a.png"]
+        monkeypatch.setattr(files.os, "link", lambda *_words: (_ for _ in ()).throw(OSError(1, "no links")))
+    monkeypatch.setenv("SLURMD_NODENAME", "node7")
+    assert files.host() == "node7"
+    monkeypatch.delenv("SLURMD_NODENAME")
+    monkeypatch.setattr(files.socket, "gethostname", lambda: "plain")
+    assert files.host() == "plain" and files.told(str(other)) == {"path": str(other), "size": 1, "sha256": "3e23e8160039594a33894f6564e1b1348bbd7a0088d42c4acb73eeaed59c009d"}
+    assert not files.is_as_told(str(other), {"size": 2, "sha256": files.sha256(str(other))}) and not files.is_as_told(str(tmp_path / "none"), {"size": 1})
+
+
+def test_inputs_are_read_once(job, monkeypatch, tmp_path):
+    """On each machine, until their size, place or time is another."""
+    scene, read = tmp_path / "a.pov", []
+    scene.write_text("one")
+    made = job(inputs=[files.told(str(scene))])
+    monkeypatch.setattr(files, "sha256", lambda path, real=files.sha256: read.append(path) or real(path))
+    host = "one"
+    monkeypatch.setattr(files, "host", lambda: host)
+    for count in (1, 1):
+        made.check_inputs()
+        assert len(read) == count
+    os.utime(scene, (5, 5))
+    made.check_inputs()
+    host = "two"
+    made.check_inputs()
+    assert len(read) == 3 and sorted(os.listdir(made.path("checked"))) == ["one.json", "two.json"]
+    os.rmdir(made.path("running"))
+    assert abs(made.now() - time.time()) < 60  # a folder that cannot be written: by the own clock
+    for name in os.listdir(made.path("checked")):
+        os.remove(made.path("checked", name))
+    os.rmdir(made.path("checked"))
+    made.check_inputs()  # a full disk is no reason to stop
+    assert len(read) == 4
+    scene.unlink()
+    with pytest.raises(files.Refusal, match="a.pov: an input is not there: No such file or directory"):
+        made.check_inputs()
+
+
+def test_a_result_that_cannot_be_put(job, tmp_path, monkeypatch):
+    made, tried = job(), []
+    work = pathlib.Path(made.path("work/w"))
+    work.mkdir()
+    (work / "0.png").touch()
+
+    def rename(*words):
+        tried.append(words)
+        raise PermissionError(13, "no") if len(words[0]) == len(str(work)) and words[0] == str(work) else FileNotFoundError(2, "none")
+    monkeypatch.setattr(jobs.os, "rename", rename)
+    with pytest.raises(files.Refusal, match="results/0: cannot be put there"):
+        made.take("0", str(work), ["0.png"])
+    assert [words[0] for words in tried].count(str(work)) == 3
+
+
+def test_an_item_whose_folder_is_full(job, monkeypatch, capsys):
+    """It is told of, without a log where none can be; a part that a disk has damaged is not merged."""
+    made = job(items=[{"frame": 1, "tile": [0, 0, 1, 1]}, {"frame": 1, "tile": [1, 0, 1, 1]}])
+    monkeypatch.setattr(item.signal, "signal", lambda *_words: None)
+    monkeypatch.setattr(files, "host", lambda: "here")
+    monkeypatch.setattr(item, "Log", lambda _path: (_ for _ in ()).throw(OSError(28, "No space left")))
+    assert item.run(made, 0) == 1 and capsys.readouterr().out == f"item 0 (frame 1, tile 0,0,1,1): [Errno 28] No space left; on here, log {made.log(0)}\n"
+    monkeypatch.undo()
+    for number in (0, 1):
+        whole(made, number)
+    pathlib.Path(made.path("results/1/1.png")).write_text("z")
+    with pytest.raises(files.Refusal, match=r"item 1 \(frame 1, tile 1,0,1,1\): its result is not whole"):
+        item.merge_frame(made, 1, [0, 1])
+    with item._Touched(made.path("none/running")):
+        pass
+
+
+def test_slurm_is_asked_until_it_has_ended(job, monkeypatch):
+    made, left, slept = job(), ["7_0|RUNNING|None|n\n7_1|PENDING|None|\n", "7_0|RUNNING|None|n\n", ""], []
+    files.write_json(made.path("engine.json"), {"engine": "slurm", "ids": ["7"]})
+    monkeypatch.setattr(slurm, "_call", lambda *words: left.pop(0) if words[0] == "squeue" else "")
+    monkeypatch.setattr(slurm, "time", Of(time=lambda: 100 + len(slept), sleep=slept.append))
+    slurm.cancel(made)
+    assert left == [] and len(slept) == 2
+    left[:] = ["7_0|RUNNING|None|n\n"] * 99
+    slurm.cancel(made)
+    assert len(slept) == 22  # twenty seconds at most
+    monkeypatch.setattr(slurm, "_call", lambda *words: "SlurmUser = x\n")
+    assert slurm._largest_array() == 1001
+    monkeypatch.setattr(slurm.shutil, "which", lambda name: name == "sbatch")
+    slurm.check()
+    monkeypatch.setattr(slurm.shutil, "which", lambda name: None)
+    with pytest.raises(files.Refusal, match="^sbatch is not installed: this machine is no client of a Slurm cluster. .*--engine local needs no scheduler$"):
+        slurm.check()
