@@ -515,6 +515,8 @@ def test_saved_scenes(job, tmp_path):
         saved.about({"pictures": []}, [])
     path, text = tmp_path / "a.shscene", json.dumps({"pictures": header()["pictures"] * 2}).encode()
     path.write_bytes(b"shscene\n" + struct.pack("<II", len(text), 1) + text + b"arrays")
+    with pytest.raises(files.Refusal, match="a.shscene: a saved scene is one frame; --frames goes with FILE.blend and FILE.pov$"):
+        saved.examine(str(path), options(frames="1"))
     said = saved.examine(str(path), options())
     assert (said["frames"], said["inputs"], said["programs"], said["layer"]) == ([None], [str(path)], ["shade-render"], "V.Combined")
     for data, wrong in ((b"other\n", "\"shscene\" must be its first line"), (b"shscene\n" + struct.pack("<II", 3, 1) + b"{x}", "its header must be JSON")):
@@ -678,7 +680,8 @@ def test_what_runs_here_is_ended(job, monkeypatch):
 
 def test_an_item_from_begin_to_end(job, monkeypatch, capsys, tmp_path):
     """Its result, its marks and its words; a part's picture is not shown, what is left beside the result goes."""
-    monkeypatch.setattr(item.signal, "signal", lambda *_words: None)
+    handlers = {}
+    monkeypatch.setattr(item.signal, "signal", handlers.__setitem__)
     monkeypatch.setattr(files, "host", lambda: "here")
     (tmp_path / "a.pov").touch()
     said = [files.told(str(tmp_path / "a.pov"))]
@@ -697,6 +700,9 @@ def test_an_item_from_begin_to_end(job, monkeypatch, capsys, tmp_path):
     files.write_json(made.path("failed", "0.json"), {"message": "before"})
     fails = []
     assert item.run(made, 0) == 0 and seen == [({"host": "here", "pid": os.getpid()}, "sse2", "b", 1, 0o755)]
+    assert set(handlers) == {signal.SIGTERM, signal.SIGINT, signal.SIGHUP}
+    with pytest.raises(item.Ended, match="^2$"):
+        handlers[signal.SIGINT](2, None)
     assert sorted(os.listdir(made.path("results/0"))) == ["a.png", "item.json"] and os.listdir(made.path("frames")) == ["a.png"]
     told = files.read_json(made.path("results/0/item.json"))
     assert (told["host"], told["files"][0]["path"]) == ("here", "a.png") and 0 <= told["seconds"] < 60 and abs(told["ended"] - time.time()) < 60 and told["megabytes"] >= 0

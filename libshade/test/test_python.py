@@ -497,6 +497,17 @@ def test_cloth_parameters():
         [0.4, 0.4], [0.6, 0, 0.8], [0, 0, 1.0]).tolist()
     varied = bright.eval([0.4, 0.4], [0, 0, 1.0], [0, 0, 1.0], warp_kd=0.2 * np.ones(3), weft_kd=(0.2, 0.2, 0.2))
     assert varied[0] == pytest.approx(seen[1])
+    uv, low = np.random.default_rng(3).uniform(0, 8, (16, 2)), [0.6, 0, 0.8]
+    nap, less = (shade.fabric("wool_flannel", nap=nap) for nap in (2, 0.5))
+    assert nap.eval(uv, low, low, nap=0.5) == pytest.approx(less.eval(uv, low, low)) != pytest.approx(nap.eval(uv, low, low))
+    shining = shade.fabric("silk_charmeuse")  # each kind of yarn where it lies on top alone
+    tops = shining.look_up(uv)["top"]
+    plain, warp, weft = (shining.eval(uv, low, [0, 0, 1.0], tier="near", **given) for given in ({}, {"warp_gloss": 0.2}, {"weft_gloss": 0.2}))
+    assert ((warp != plain).any(-1) == (tops == 1)).all() and ((weft != plain).any(-1) == (tops == 0)).all() and set(tops) == {0, 1}
+    terms = shining.eval([3.3, 7.6], low, [0, 0, 1.0], footprint=0.3, random=(np.arange(16) + 0.5) / 16)
+    assert terms.mean(0) == pytest.approx(shining.eval([3.3, 7.6], low, [0, 0, 1.0], footprint=0.3)) and terms.std() > 0
+    with pytest.raises(TypeError, match="'gloss': no parameter of a sample; there are warp_kd, weft_kd, warp_gloss, weft_gloss, nap, random"):
+        bright.eval(uv, low, low, gloss=1)
     for given, error, says in (
             ({"warp": {"width": -1}}, ValueError, r"warp width: -1 given; expected a number from 1e-06 to 1e\+06"),
             ({"weft": {"kd": (1, 2, 3)}}, ValueError, r"weft kd: \(1, 2, 3\) given"),
