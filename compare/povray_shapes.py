@@ -132,7 +132,7 @@ def round_(low, high, base, cap, ends=True):
 
     us = np.linspace(0, 1, 2 * FINE + 1)
     pieces = [surface(side, us, np.linspace(0, 1, 2 if base == cap else 65), -1.0)]  # quads that narrow bend u
-    for height, radius, facing in ((low, base, 1.0), (high, cap, -1.0)) if ends else ():
+    for height, radius, facing in ((low, base, -1.0), (high, cap, 1.0)) if ends else ():
         def disc(u, v, height=height, radius=radius):
             return stack(radius * v * np.cos(2 * np.pi * u), height + 0 * u, radius * v * np.sin(2 * np.pi * u))
 

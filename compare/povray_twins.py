@@ -275,7 +275,7 @@ def kitchen(_folder):
                                                                    **ggx((0.04,) * 3, 0.25, 0.12)), *knife)
     for number in range(3):
         x = 1.15 + 0.35 * number
-        place("rivet", round_(0.09, 0.106, 0.045, 0.045), brass, ("translate", (2 * x, 0, -0.03)), *knife)
+        place("rivet", round_(0.09, 0.106, 0.045, 0.045), brass, ("translate", (x, 0, -0.03)), *knife)
     bowl = ((0, 0.03), (0.05, 0.02), (0.6, 0.06), (1.0, 0.42), (1.12, 0.78), (1.08, 0.78), (0.95, 0.45), (0.5, 0.1))
     place("bowl", lathe(bowl), around(preset="turned_copper"), ("translate", (2.05, 0, 0.55)))
     place("table", plane((-60, -8), (60, 40)), cloth("linen", 60))
