@@ -177,11 +177,12 @@ static void blur_line(float *first, size_t step, int side, int half, double *lin
 
 /* Three boxes along both axes, which is all but a Gaussian. */
 static void blur(float *grid, int side, int half, double *line) {
-  for (int time = 0; time < 3; time++)
-    for (int k = 0; k < side; k++) {
+  for (int time = 0; time < 3; time++) {
+    for (int k = 0; k < side; k++)
       blur_line(grid + (size_t)k * (size_t)side, 1, side, half, line);
+    for (int k = 0; k < side; k++)
       blur_line(grid + k, (size_t)side, side, half, line);
-    }
+  }
 }
 
 /* How much moments in windows count, not that of all: the more, the more they vary. */
