@@ -236,6 +236,8 @@ def test_a_twin_is_what_the_example_says(name, modules, monkeypatch):
         if look.kind == "LibshadeFabricNode":
             assert (look.preset, look.size_mode, 1000 * look.size) == (preset.upper(), "LENGTH", pytest.approx(float(re.findall(r"mm_per_unit ([\d.]+)", block)[-1]))), part
             continue
+        bumps = re.search(r'png "basket.png" filter off strength ([\d.]+) scale 1/(<[^>]*>)', block)
+        assert getattr(look, "bump", None) == (bumps and ("basket.png", tuple(values(bumps[2])[0]), float(bumps[1]))), part
         assert (look.grain, look.strokes) == (tangent, 0), part
         assert look.inputs["Rotation"].default_value == (0.5 if "RADIAL" in tangent else 0.75 if "rotate 90*z" in block and tangent == "UV" else 0), part
         if preset:
@@ -491,6 +493,7 @@ def test_small_scenes(modules, monkeypatch, tmp_path):
     bpy.ops.wm.read_factory_settings.assert_called_with(use_empty=True)
     bpy.ops.preferences.addon_enable.assert_called_with(module="libshade")
     camera = scene.camera
+    scene.collection.objects.link.assert_called_with(camera)
     assert camera.location == (0, -2.6, 2.6) and camera.rotation_euler == ((0, -2.6, 2.35), "Z", "Y") and camera.data.lens == 45
     assert (scene.render.resolution_x, scene.render.resolution_y, scene.world.color, scene.render.engine, scene.libshade.max_bounces) == (800, 600, (0, 0, 0), "LIBSHADE", 0)
     assert bpy.context.preferences.filepaths.save_version == 0
