@@ -12,5 +12,9 @@ def test_small_functions(blender):
     assert "all asserted" in blender.inside("small.py")
 
 
+def test_formulas(blender_old):
+    assert "all asserted" in blender_old.inside("formulas.py")
+
+
 def test_what_is_told(blender):
     assert "all asserted" in blender.inside("told.py")

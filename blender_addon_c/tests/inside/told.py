@@ -1474,6 +1474,74 @@ def test_pictures_of_a_sequence_are_read_as_their_image_says():
     assert len(seen) == 3 and [image.name for image in bpy.data.images if image.name.startswith("a_")] == []
 
 
+def test_every_image_is_averaged():
+    """Where its neighbours are looked up, the next one is looked up where the point is: in a row all are averaged, as each alone is."""
+    scene = common.empty_scene()
+    common.camera(scene)
+    common.light(scene)
+    scene.libshade.texture_blur = 1.0
+    material, tree, showing = common.shown(False, "two")
+    common.plane(material)
+    where, mapping, mix = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("UVMap", "Mapping", "MixRGB"))
+    tree.links.new(where.outputs[0], mapping.inputs["Vector"])
+    tree.links.new(mix.outputs[0], showing)
+    mapping.inputs["Scale"].default_value = (2, 2, 1)
+    for name, socket in (("one", mix.inputs[1]), ("two", mix.inputs[2])):
+        picture = common.image_node(tree, bpy.data.images.new(name, 2, 2))
+        picture.image.pack()
+        tree.links.new(mapping.outputs[0], picture.inputs["Vector"])
+        tree.links.new(picture.outputs["Color"], socket)
+    made = [node for node in read(scene)[0]["materials"][0]["nodes"] if node["type"] == "IMAGE"]
+    assert [node["image"] for node in made] == [0, 1] and all(node["averaged"] and node["at"] == made[0]["at"] and node["near"] == made[0]["near"] for node in made), made
+    # a sixteenth of a sixteenth along u and along v, twice as far by the mapping
+    assert made[0]["step"] == 1 / 256
+    scene.libshade.texture_blur = 0.0
+    assert not any(node.get("averaged") for node in read(scene)[0]["materials"][0]["nodes"])
+
+
+def test_a_map_that_is_not_everybodys_active_one():
+    """A map by name is the meshes' own where it is the active one of all who wear the material, else they have it beside theirs."""
+    scene = common.empty_scene()
+    common.camera(scene)
+    common.light(scene)
+    material, tree, showing = common.shown(False, "mapped")
+    where, picture = tree.nodes.new("ShaderNodeUVMap"), common.image_node(tree, bpy.data.images.new("grey", 2, 2))
+    picture.image.pack()
+    where.uv_map = "first"
+    tree.links.new(where.outputs[0], picture.inputs["Vector"])
+    tree.links.new(picture.outputs["Color"], showing)
+    plates = [common.plane(material) for _ in range(2)]
+    for plate in plates:
+        plate.data.uv_layers[0].name = "first"
+        for loop in plate.data.uv_layers.new(name="second").data:
+            loop.uv = (0.25, 0.75)
+    for active in (("first", "first"), ("first", "second"), ("second", "second")):
+        for plate, name in zip(plates, active):
+            plate.data.uv_layers[name].active_render = True
+            plate.data.update()
+        found, said = read(scene)
+        spans = [np.ptp(np.reshape(mesh["corner_uvs"], (-1, 2)), axis=0).tolist() for mesh in found["meshes"]]
+        assert not said and spans == [[1, 1]] * 2, (active, spans)
+
+
+def test_an_edited_draft_is_followed_once():
+    """By the materials and groups whose cloth reads it, and no others; then no more until it is edited again."""
+    common.empty_scene()
+    draft, told = module("fabric.draft"), []
+    texts = {name: bpy.data.texts.new(name) for name in ("mine.wif", "other.wif", "unused.wif")}
+    with bare_cloth() as (_tree, node), bare_cloth() as (_other, beside_it):
+        node.name, beside_it.name = "one", "two"
+        node.draft, beside_it.draft = texts["mine.wif"], texts["other.wif"]
+        draft._seen.clear()
+        with replaced(type(node), update_preview=lambda of, *_more, **_by: told.append(of.name)), replaced(draft, maps=Of(sweep=lambda: told.append("swept"))):
+            for edited, wanted in ((None, []), ("mine.wif", ["one"]), (None, []), ("other.wif", ["two"]), ("unused.wif", []), (None, []), ("mine.wif", ["one"]), (None, [])):
+                if edited:
+                    texts[edited].write("x")
+                told.clear()
+                assert draft.follow() == 0.5 and told == ["swept", *wanted], (edited, told)
+    assert bpy.app.timers.is_registered(draft.follow)
+
+
 def test_words_of_what_is_left_out():
     """Each begins with whose it is, and ends in what is shown in its place."""
     said, part = [], lambda name: module(f"export.{name}")
