@@ -33,7 +33,7 @@ def test_the_plate():
     image = bench.bumps(64, 8, 0.6)
     normal = 2.0 * image[..., :3] - 1
     slope = -normal[..., :2] / normal[..., 2:]
-    assert np.allclose(np.linalg.norm(normal, axis=-1), 1, atol=1e-5) and (image[..., 3] == 1).all() and image.dtype == np.float32
+    assert np.allclose(np.linalg.norm(normal, axis=-1), 1, atol=1e-5) and (normal[..., 2] > 0).all() and (image[..., 3] == 1).all() and image.dtype == np.float32
     t = (np.arange(64) + 0.5) / 64
     assert np.allclose(slope[..., 0], 0.6 * np.cos(16 * np.pi * t)[None], atol=1e-5) and np.allclose(slope[..., 1], 0.6 * np.cos(16 * np.pi * t)[:, None], atol=1e-5)
     assert bench.bumps.__defaults__ == (2048, 8, 0.6)
@@ -48,7 +48,8 @@ def test_the_plate():
     assert np.allclose(pictures[0][0], pictures[1][0], atol=1e-3)  # the same plate, however it is cut
     scene = bench.plate(image=image)
     assert (scene["width"], scene["height"], scene["samples"], scene["threads"], scene["region"]) == (512, 512, 64, 0, (0, 0, 512, 512))
-    assert scene["materials"][0]["ex"] == 6170.84 and scene["materials"][0]["ey"] == 7.876543 and scene["materials"][0]["detail"] == "ROTATE"
+    steel = scene["materials"][0]
+    assert [steel[word] for word in ("ex", "ey", "detail", "f0", "f82", "kd")] == [6170.84, 7.876543, "ROTATE", (1, 1, 1), (1, 1, 1), (0, 0, 0)]
     assert np.isclose(np.linalg.norm(scene["lights"][0]["direction"]), 1)
 
 
@@ -56,7 +57,7 @@ class Native:
     """Jobs that take as long as they are told, one after another."""
 
     def __init__(self, times, state="done"):
-        self.times, self.state, self.scenes, self.freed = list(times), state, [], []
+        self.times, self.state, self.scenes, self.freed, self.waited = list(times), state, [], [], set()
 
     def start(self, scene):
         self.scenes.append(scene)
@@ -64,8 +65,10 @@ class Native:
 
     def wait(self, job, seconds):
         assert seconds >= 1e6
+        self.waited.add(job)
 
     def poll(self, job):
+        assert job in self.waited
         return {"state": self.state, "message": "no memory"}
 
     def timings(self, job):
@@ -130,6 +133,10 @@ def test_nodes_that_are_timed():
     matt = seen["bytes"] / seen["plain"]
     assert np.allclose(matt, 2, rtol=1e-4), seen  # white is twice as bright as .5
     assert all(np.allclose(seen[name], seen["bytes"], rtol=1e-4) for name in ("float", "averaged bytes", "averaged float")), seen
+    bright = 1.0  # of white, by sixteen steps; a hue of a whole turn is red, and as much blue as one is a little more
+    for _ in range(4):
+        bright = max(0.8 * (0.9 * bright + 0.05) + 0.1, 0.1)
+    assert np.allclose(seen["30 nodes"][:2], seen["bytes"][:2] * (bright**1.5, 0), rtol=1e-4), (seen, bright)
     assert all(np.allclose(seen[name], seen["30 nodes"], rtol=1e-4) for name in ("near", "near, averaged")), seen
     whole = bench_nodes.picture(np.float32, 1)
     assert whole["data"].shape == (2048, 2048, 4) and whole["data"].dtype == np.float32 and {**whole, "width": 4, "height": 4, "data": 0} == {**WHITE, "data": 0}
@@ -143,6 +150,7 @@ def test_what_bench_of_nodes_prints(monkeypatch, capsys):
     asked, repeats = [], iter([2.0, 1.0, 3.0] * 99)
 
     def seconds(module, scene):
+        assert scene["size"] == (256, 64, 8)
         if module == 0 and scene["case"] == "plain":
             asked.append(next(repeats))
         return asked[-1] * took[scene["case"]][module], 1000
