@@ -48,6 +48,7 @@ def fabric(tree):
 def groove(tree):
     normal = bumped(tree, -500, -140)
     shader = node(tree, "ShaderNodeBsdfAnisotropic", 0, 0, [("Normal", normal, "Normal")])
+    shader.inputs["Anisotropy"].default_value = 0.5  # from Blender 4.0 on it has no direction at first
     node(tree, "ShaderNodeOutputMaterial", 220, 0, [("Surface", shader, 0)])
     bpy.ops.libshade.follow_bumps()
     group = next(n for n in tree.nodes if n.type == "GROUP")
