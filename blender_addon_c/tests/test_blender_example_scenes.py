@@ -12,6 +12,9 @@ Each scene has
     materials  nodes with what was set of each, and links
     bodies     how many, materials, lowest and highest corner together, area, units of the UV map for a metre, whether it is smooth, modifiers,
                1: its outward side is out, -1: in, 0: it is flat
+    finer      what is done less finely here
+    falls      of cloth that falls: frames, quality, mass, how stiff it is (tension, compression, shear, bending), damping by the air, how far it keeps off
+               itself and others, and on what it falls, how thick
 """
 import json
 import os
@@ -101,6 +104,7 @@ SCENES = {
         },
     },
     "cloth": {
+        "finer": {"STEPS": 192}, "falls": {},
         "picture": ["LIBSHADE", 960, 400, 100, 128, 4096, False, "Standard", "None", "a.png", "PNG"],
         "camera": [[0, -5.2, 0.8], [0, 1, 0], "PERSP", 44, 0.1],
         "lamps": [["AREA", 60, [2.8, -2.5, 1.2], [-0.7239, 0.63593, -0.2675], [1, 1, 1], 1.2], ["AREA", 260, [-2.6, -2.5, 2.2], [0.62225, 0.60434,
@@ -186,6 +190,8 @@ SCENES = {
         },
     },
     "drape": {
+        "finer": {"QUADS": 72, "FRAMES": 70},
+        "falls": {"cloth": [1, 5, 0.25, 12, 12, 12, 1.5, 2, 0.004, ["stand", 0.004]]},
         "picture": ["LIBSHADE", 960, 960, 100, 192, 192, False, "AgX", "AgX - Medium High Contrast", "a.png", "PNG"],
         "camera": [[0, -3.6, 0.82], [0, 0.99194, -0.12675], "PERSP", 88, 0.01],
         "lamps": [["AREA", 110, [2.2, 0.4, 1.2], [-0.92637, -0.16843, -0.33686], [0.88, 0.94, 1], 0.8], ["AREA", 170, [-2, -1.2, 2], [0.70711,

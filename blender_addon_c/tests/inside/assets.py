@@ -77,6 +77,16 @@ def uneven(pixels):
     return [np.abs(np.diff(pixels, 2, axis=axis)).mean() for axis in (0, 1)]
 
 
+def tags_of(item):
+    return [tag.name for tag in item.asset_data.tags]
+
+
+def sockets_of(tree):
+    """Inputs by name: (default, about)."""
+    inputs = [s for s in tree.interface.items_tree if s.in_out == "INPUT"] if hasattr(tree, "interface") else tree.inputs
+    return {s.name: (getattr(s, "default_value", None), s.description) for s in inputs}
+
+
 def strokes_seen(item, finish):
     """On the ball's picture; without them all three are at most .0082 uneven and, low down, as much one way as the other (.98 to 1.02)."""
     pixels = np.array(item.preview.image_pixels_float[:]).reshape(*item.preview.image_size, 4)[..., :3].mean(-1)
@@ -107,7 +117,8 @@ def test_materials(folder):
             assert [tuple(a.default_value) if a.type == "RGBA" else a.default_value for a in list(node.inputs)[:6]] == [
                 tuple(b.default_value) if b.type == "RGBA" else b.default_value for b in list(fresh.inputs)[:6]]
             assert not any(socket.is_linked for socket in node.inputs)
-        assert where[material.asset_data.catalog_id] == "Libshade/Metals" and material.asset_data.description
+        assert where[material.asset_data.catalog_id] == "Libshade/Metals" and material.asset_data.description == row["help"]
+        assert tags_of(material) == ["libshade", "metal", *row["label"].lower().split()]
         colour, metal = linear_of(material), np.array(tuple(node.inputs["Color"].default_value)[:3])
         assert strokes_seen(material, row["label"].split()[0]), word
         assert np.allclose(colour / colour[0], metal / metal[0], atol=0.06), (word, colour, metal)
@@ -115,7 +126,8 @@ def test_materials(folder):
         material = next(m for m in cloths if m.name.lower() == row["label"].lower())
         node = next(n for n in material.node_tree.nodes if n.bl_idname == fabric.FABRIC)
         assert node.preset == word and where[material.asset_data.catalog_id] == "Libshade/Fabrics"
-        assert "cloth" in [tag.name for tag in material.asset_data.tags]
+        assert material.asset_data.description == row["help"] and tags_of(material) == ["libshade", "cloth", "fabric", *row["label"].lower().split()]
+        assert node.size_mode == "REAL"  # as large as what wears it
         picture_of(material)
     scratches = module("scratches")
     groups = appended("scratches", "node_groups")
@@ -123,6 +135,11 @@ def test_materials(folder):
     for group in groups:
         assert where[group.asset_data.catalog_id] == "Libshade/Scratches" and picture_of(group).mean() > 0.05
         assert not [n for n in group.nodes if n.bl_idname.startswith("Libshade")]
+        assert {"libshade", "scratches"} < set(tags_of(group)) and not {"metal", "steel"} & set(tags_of(group)) and group.asset_data.description.endswith(": normal, height, mask")
+        sockets = sockets_of(group)
+        assert list(sockets) == ["Amount", "Normal", "Scale"] and sockets["Scale"] == (1.0, "1: 10 cm to a unit of the UV map; 2: scratches half as large"), sockets
+        times = next(n for n in group.nodes if n.bl_idname == "NodeGroupInput").outputs["Scale"].links[0].to_node
+        assert times.operation == "MULTIPLY" and times.outputs[0].links[0].to_socket.name == "Scale" and times.inputs[1].default_value > 0
     scratched = appended("scratches", "materials")
     assert len(scratched) == len(scratches.PRESETS)
     for material in scratched:
@@ -131,6 +148,10 @@ def test_materials(folder):
         assert [values for _label, _about, values in scratches.PRESETS.values()
                 if all(abs(node.inputs[name].default_value - value) < 1e-6 * value + 1e-9 for name, value in values.items())]
         assert node.outputs["Normal"].is_linked and picture_of(material).mean() > 0.05
+        assert {"libshade", "metal", "steel", "scratches"} < set(tags_of(material))
+        steel = node.outputs["Normal"].links[0].to_node  # polished, but for them
+        assert (steel.strokes, steel.grain, steel.distribution, steel.brdf) == (0, "UV", "BECKMANN", "MICROFACET")
+        assert np.allclose([steel.inputs[name].default_value for name in ("Roughness", "Anisotropy")], (0.22, 0)) and steel.outputs[0].links[0].to_socket.name == "Surface"
     scene = bpy.context.scene
     for name, found in (("Turned copper", metals), ("Cotton denim", cloths)):
         scene = common.empty_scene(32, 32, 16)
@@ -151,6 +172,8 @@ def test_groups():
     assert all(catalogs()[group.asset_data.catalog_id] == "Libshade/Grooves" for group in groups)
     for group in groups:
         assert not [n for n in group.nodes if n.bl_idname.startswith("Libshade")]
+        assert tags_of(group) == ["libshade", *(("tangent", "normal") if group.name.startswith("Libshade") else ("metal", "brushed"))]
+        assert len(group.asset_data.description) > 40
         picture_of(group)
     assert module("groove").groove_tree() == groove
 

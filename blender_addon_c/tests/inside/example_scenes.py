@@ -143,6 +143,17 @@ def facts():
         "bodies": bodies()}
 
 
+def falls(seen):
+    """Of cloth that falls while frames pass, what was set."""
+    def told(scene, *_more):
+        for item in scene.objects:
+            for fall in (one for one in item.modifiers if one.type == "CLOTH"):
+                words = ("quality", "mass", "tension_stiffness", "compression_stiffness", "shear_stiffness", "bending_stiffness", "air_damping")
+                seen[item.name] = [scene.frame_current, *(plain(getattr(fall.settings, word)) for word in words), plain(fall.collision_settings.distance_min),
+                                   *([other.name, plain(other.collision.thickness_outer)] for other in scene.objects if other.collision and other.collision.use)]
+    return told
+
+
 def begin():
     """An empty scene as parts.begin() brings it, but groups inside our nodes stay, which take long to make."""
     data, before = bpy.data, list(bpy.data.scenes)
@@ -179,15 +190,21 @@ for words in scripts:
             *head, last = ast.parse(file.read()).body
         world = {"__file__": script, "__name__": "__main__"}
         exec(compile(ast.Module(head, []), script, "exec"), world)
+        finer = {word: plain(world[word]) for word, value in SMALLER.get(name, {}).items() if value != nothing}
         world.update(SMALLER.get(name, {}))
+        fallen = {}
+        bpy.app.handlers.frame_change_post.append(falls(fallen))
         if "parts" in world and words != scripts[0]:
             world["parts"].begin = begin
         if "Jacket" in world:
             sewn = world["Jacket"].thread
             world["Jacket"].thread = lambda jacket, sewn=sewn: (jacket.seams.__delitem__(slice(2, None)), sewn(jacket)) if jacket.seams else None
         exec(compile(ast.Module([last], []), script, "exec"), world)
+        bpy.app.handlers.frame_change_post.pop()
         if name == "suzanne":
             seen.append(facts())
+        if finer:
+            seen[0].update(finer=finer, falls=fallen)
 with open(target, "w", encoding="utf-8") as file:
     json.dump(found, file)
 common.finish()

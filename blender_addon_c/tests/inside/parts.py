@@ -714,6 +714,10 @@ SHOWN = {
 TABS = {"RENDER": "render", "OBJECT": "object", "VIEWLAYER": "view_layer", "WORLD": "world", "DATA": "data"}
 CLOSED = {"RENDER_PT_libshade_motion_blur", "OBJECT_PT_libshade_motion_blur", "RENDER_PT_libshade_performance", "VIEWLAYER_PT_libshade_override", "RENDER_PT_libshade_share",
           "OBJECT_PT_libshade_light_group", "WORLD_PT_libshade_light_group", "OBJECT_PT_libshade_visibility", "WORLD_PT_libshade_visibility", "RENDER_PT_libshade_simplify"}
+# Words before several check boxes, and where no dots for keyframes are drawn
+HEADINGS = {"RENDER_PT_libshade_sampling": ["Denoise"],
+            "VIEWLAYER_PT_libshade_passes": ["Include", "Indexes", "Diffuse", "Glossy", "Transmission", "Other", "Cryptomatte"]}
+STILL = {f"{tab}_PT_libshade_{name}" for tab, names in (("RENDER", ("sampling", "light_paths", "performance")), ("VIEWLAYER", ("passes",))) for name in names}
 # What not every Blender has
 NOT_ALL = {"exposure", "normalize", "use_soft_falloff", "use_shadow", "cast_shadow = Shadow"}
 
@@ -726,7 +730,7 @@ def test_what_panels_show():
     bpy.context.view_layer.update()
     settings = SimpleNamespace(**{name: getattr(scene.libshade, name) for name in scene.libshade.__annotations__ if name != "bump_slopes"},
                                bump_slopes="'steel' .1 .2\n'tin' .3 .4")
-    said = []
+    said, headings = [], []
 
     class Layout:
         def prop(self, owner, name, text=None, **_more):
@@ -748,12 +752,14 @@ def test_what_panels_show():
             assert hasattr(owner, name) and hasattr(of, groups)
             said.append(name)
 
-        def row(self, **_more):
+        def row(self, heading="", **_more):
+            headings.append(heading)
             return Layout()
         column = row
 
     def shown(panel, shown_light=None):
         said.clear()
+        headings.clear()
         settings_of = SimpleNamespace(libshade=settings, render=scene.render, cycles=scene.cycles, world=scene.world, objects=scene.objects)
         context = SimpleNamespace(scene=settings_of, object=ob, world=world, light=shown_light, view_layer=bpy.context.view_layer)
         drawn = SimpleNamespace(layout=Layout(), of=getattr(panel, "of", None))
@@ -761,6 +767,9 @@ def test_what_panels_show():
         if hasattr(panel, "draw_header"):
             panel.draw_header(drawn, context)
         panel.draw(drawn, context)
+        assert getattr(drawn.layout, "use_property_split", False) == (panel is not panels.RENDER_PT_libshade_share), panel  # names stand left of sliders
+        assert getattr(drawn.layout, "use_property_decorate", True) == (panel.__name__ not in STILL), panel
+        assert [heading for heading in headings if heading] == HEADINGS.get(panel.__name__, []), (panel, headings)
         return [line() if callable(line) else line for line in said]
 
     with replaced(panels, is_bare=lambda _scene: False):
