@@ -937,6 +937,96 @@ def test_a_sheet_of_pictures():
     assert script["catalog"]("Libshade/Metals") == "ac73227c-25f4-579d-95e1-9ccb913f2dda"
 
 
+def test_how_finely_a_world_of_nodes_is_rendered():
+    """Of 1024 rows, in a viewport of half as many; of as many as its largest image has, up to twice that. Of a lamp a quarter."""
+    around, asked = module("export.around"), []
+
+    def of(heights, kept, shape=lambda rows: np.ones((rows, 2, 3), np.float32)):
+        listed = [{"height": height} for height in heights]
+        return Of(_kept=kept, gain={}, even=lambda: "even", _rendered=lambda rows: asked.append(rows) or shape(rows),
+                  _reader=Of(images=Of(listed=listed), program=Of(faced=None, upright=7)))
+    for heights, kept, world, lamp in (([], None, 1024, 256), ([30, 1500], None, 1500, 512), ([4000], None, 2048, 512), ([], "kept", 512, 128), ([200, 90], "kept", 512, 200),
+                                       ([700], "kept", 700, 256), ([3000], "kept", 1024, 256)):
+        asked.clear()
+        made = around.Shine.picture(of(heights, kept))
+        assert (made["width"], made["height"], made["channels"], made["srgb"], made["wrap"], made["filter"]) == (2, world, 3, False, "EXTEND", "LINEAR")
+        mean, pattern = around.Shine.pattern(of(heights, kept))
+        assert len(made["data"]) == 6 * world and close(mean, (1, 1, 1)) and pattern == "even" and asked == [world, lamp], (heights, kept, asked)
+    # the mean over the sphere: rows near the poles are small, those of a face are not; what is left says how much of it is along each
+    step = lambda rows: np.where(np.arange(rows)[:, None, None] < rows // 2, 0.0, np.float32([2, 4, 0])) * np.ones((rows, 2, 1))
+    mean, made = around.Shine.pattern(of([], None, step))
+    assert close(mean, (1, 2, 0)) and made["upright"] == 7 and made["face"] is False and close(np.unique(made["data"]), (0, 2))
+    pole = lambda rows: np.where(np.arange(rows)[:, None, None] < rows // 4, 1.0, 0.0) * np.ones((rows, 2, 3))
+    assert close(around.Shine.pattern(of([], None, pole))[0], [(1 - math.sqrt(0.5)) / 2] * 3, rtol=1e-3)  # within 45 degrees of a pole
+    face = of([], None, pole)
+    face._reader.program.faced = "somewhere"
+    assert close(around.Shine.pattern(face)[0], [0.25] * 3) and around.Shine.pattern(face)[1]["face"] is True
+    assert around.Shine.even(Of(gain={})) is None and around.Shine.even(Of(gain={"gain": 2}))["gain"] == 2
+
+
+def test_when_each_sample_asks_a_worlds_nodes():
+    """Where it has a pattern of noise, and what that says differs within a texel by more than a twentieth; its images are then the scene's, too."""
+    around, made = module("export.around"), []
+    noise, image = {"type": "NOISE"}, {"type": "IMAGE", "image": 1}
+    for nodes, off, wanted in (([image], 1.0, False), ([noise, image], 0.051, True), ([noise, image], 0.049, False), ([noise, image, {**image, "image": 0}, image], 9.0, True)):
+        given = []
+        shine = Of(_closures="closures", _reader=Of(program=Of(finish=lambda closures, nodes=nodes: (nodes, closures)), images=Of(listed=["first", "second"])),
+                   _kept_picture=lambda scene, given=given, off=off: given.append(scene) or np.full(4, 1 + off), _rendered=lambda rows: np.ones(4))
+        made.clear()
+        found = around.Shine.shader(shine, 512, Of(made=lambda one: made.append(one) or 10 + len(made)))
+        assert bool(found) == wanted, (nodes, off)
+        if given:  # through as many texels as it has of the picture's, by other samples
+            assert (given[0]["filter_width"], given[0]["seed"], given[0]["height"], given[0]["samples"]) == (3 * 64 / 512, 1, 64, 1)
+        assert made == ["second", "first"][:len({node["image"] for node in nodes if node["type"] == "IMAGE"})] * wanted
+        assert not found or [node.get("image") for node in found["nodes"]] == [None, *[{1: 11, 0: 12}[node["image"]] for node in nodes[1:]]] and found["closures"] == "closures"
+
+
+def test_the_sun_in_a_picture_of_a_sky():
+    """Is rendered by many samples, wherever it is and on both sides of the seam; the rest by one."""
+    around = module("export.around")
+    rows, columns = 64, 128
+    for turn, elevation in ((0.0, 0.3), (1.0, -0.4), (math.pi, 0.2), (-3.1, 0.0), (0.5, 1.5)):
+        asked = []
+
+        def render(scene, asked=asked):
+            x0, y0, x1, y1 = scene["region"]
+            asked.append(scene)
+            return np.full((y1 - y0, x1 - x0, 3), scene["samples"], np.float32)
+        sky = {"sun_size": 0.1, "elevation": elevation, "matrix": [math.cos(turn), math.sin(turn)] + [0.0] * 10}
+        with replaced(around, _render=render):
+            data = around._of_sky(sky, rows)
+            plain = around._of_sky({**sky, "sun_size": 0.0}, rows)
+        assert (plain == 1).all() and asked[0]["region"] == (0, 0, columns, rows) and all(scene["samples"] == 64 and scene["filter_width"] == 0 for scene in asked[1:-1])
+        # directions within the sun's disc and a pixel around, by the picture's own map: a circle of longitude is its width
+        longitude, latitude = np.meshgrid((np.arange(columns) + 0.5) / columns * 2 * np.pi - np.pi, (np.arange(rows) + 0.5) / rows * np.pi - np.pi / 2)
+        to = np.stack([np.cos(latitude) * np.cos(longitude), -np.cos(latitude) * np.sin(longitude), np.sin(latitude)], -1)
+        # the matrix turns directions to the sky's own, whose sun stands over x
+        sun = np.array((math.cos(elevation) * math.cos(turn), math.cos(elevation) * math.sin(turn), math.sin(elevation)))
+        disc = to @ sun > math.cos(0.05)
+        assert disc.any() or elevation > 1.4
+        assert (data[disc][:, 0] == 64).all(), (turn, elevation)
+        assert (data[..., 0] == 64).mean() < (0.04 if elevation < 1 else 0.12), (turn, elevation, (data[..., 0] == 64).mean())
+
+
+def test_how_fine_balls_and_tubes_are():
+    """The coarser the more there are. A ball's outline is in the mean over all sides as large as a circle: its surface is a sphere's. Of a tube of a
+    straight strand of two points: sides times what lies between its rings, two triangles each; discs at both ends, where there are many sides."""
+    strands = module("export.strands")
+    for count, faces in ((1, 1280), (500, 1280), (501, 320), (5000, 320), (5001, 80)):
+        made = strands.ball(count, "object 'cloud'", 3)
+        corners = made["positions"][made["corner_position"]].reshape(-1, 3, 3).astype(float)
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert len(corners) == faces == len(made["material"]) and (made["material"] == 3).all() and made["name"] == "object 'cloud'"
+        assert close(0.5 * np.linalg.norm(across, axis=1).sum(), 4 * math.pi) and ((across * corners.mean(1)).sum(1) > 0).all()
+        normals = made["corner_normals"].reshape(-1, 3)
+        assert close(np.linalg.norm(normals, axis=1), 1) and ((normals * corners.reshape(-1, 3)).sum(1) > 0.99).all()
+    for count, sides, parts in ((2, 24, 8), (325, 24, 8), (326, 24, 4), (520, 24, 4), (521, 16, 4), (976, 16, 4), (977, 16, 2), (1953, 16, 2), (1954, 8, 2)):
+        points = np.zeros((2 * count, 3), np.float32)
+        points[:, 0], points[1::2, 2] = np.repeat(np.arange(count), 2), 1
+        made = strands.tubes(strands.Strands(points, np.full(2 * count, 0.1, np.float32), 2 * np.arange(1, count + 1), None, lambda _name: None), Matrix.Identity(4), "object 'fur'", 0)
+        assert len(made["corner_position"]) // 3 == count * (2 * sides * parts + 2 * sides * (sides >= 16)), (count, sides, parts, len(made["corner_position"]) / 3 / count)
+
+
 def run(tests):
     for name, test in list(tests.items()):
         if name.startswith("test_"):

@@ -1677,6 +1677,39 @@ def test_words_of_files_of_lamps_and_of_images():
     bpy.data.images.remove(image)
 
 
+def test_what_a_file_of_a_lamp_is_asked_for():
+    """By its line, each number by its name, wherever lines end; what the lamp itself is like (TILT=INCLUDE) is passed over, what multiplies candelas is not."""
+    ies = module("export.ies")
+    fields = [("1", 3, "the lamp's geometry"), ("2", 4, "the number of tilt angles"), *((text, line, "a tilt angle or factor") for line in (5, 6) for text in "09"),
+              ("1", 7, "the number of lamps or lumens"), ("1000", 7, "the number of lamps or lumens"), ("2", 7, "the multiplier"), ("2", 7, "the number of vertical angles"),
+              ("1", 7, "the number of horizontal angles"), ("1", 7, "the photometric type"), *((text, 7, "the unit or size of the opening") for text in ("2", ".1", ".2", ".3")),
+              ("1.5", 8, "the ballast factor"), (".5", 8, "the ballast-lamp factor"), ("100", 8, "the input watts"), ("0", 9, "a vertical angle"), ("90", 9, "a vertical angle"),
+              ("0", 10, "a horizontal angle"), ("5", 11, "a candela value"), ("7", 11, "a candela value")]
+
+    def text(**odd):
+        words = {}
+        for k, (word, line, _what) in enumerate(fields):
+            words.setdefault(line, []).append(odd.get(f"at{k}", word))
+        return "IESNA:LM-63-2002\nTILT=INCLUDE\n" + "\n".join(" ".join(words[line]) for line in sorted(words))
+    kind, vertical, horizontal, candela = ies._read(text())
+    assert kind == 1 and vertical.tolist() == [0, 90] and horizontal.tolist() == [0] and candela.tolist() == [[7.5, 10.5]]
+    for k, (_word, line, what) in enumerate(fields):
+        assert raised(ies._read, text(**{f"at{k}": "odd"})) == f"line {line}: {what} was expected, not 'odd'", k
+    for k in (1, 9, 10):
+        assert raised(ies._read, text(**{f"at{k}": "0"})) == f"{fields[k][2]} is 0; expected 1 or more"
+    assert raised(ies._read, text(at9="2000", at10="1000")) == "it has 2000 times 1000 angles; 1048576 are supported"
+    assert raised(ies._read, text(at21="nan")) == "line 10: a horizontal angle was expected, not 'nan'"
+    assert ies._read(text().replace(" ", ","))[3].tolist() == ies._read(text().replace("5 7", "5;\n7"))[3].tolist() == [[7.5, 10.5]]
+    node = Of(mode="INTERNAL", ies=None, filepath="//lamp.ies", id_data=Of(library=None))
+    assert raised(ies.text_of, node) == "it has no text"
+    node.mode, place = "EXTERNAL", os.path.join(bpy.app.tempdir, "lamp.ies")
+    assert raised(ies.text_of, node).startswith("file not found: ") and raised(ies.text_of, node).endswith("lamp.ies")
+    with open(place, "wb") as file:
+        file.write(b"a \xff b")
+    node.filepath = place
+    assert ies.text_of(node) == "a \ufffd b"
+
+
 def test_words_of_materials_that_are_shaded_otherwise():
     """Too deep, of too many shaders, without one, displaced or with a volume."""
     scene = common.empty_scene()
