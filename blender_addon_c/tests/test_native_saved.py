@@ -11,10 +11,13 @@ import OpenImageIO as oiio
 import pytest
 
 import damaged
-from native_scenes import few, point, render, scene
+from native_scenes import few, point, render, scene, sun
 from shade_render import COMBINED, TOOL, assert_same, made, parts_of, put_parts, run, scene_file
 
 COST = 4.4
+
+
+NOISY = {"lights": [sun(angle=1.0)]}  # other samples are another picture
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +29,7 @@ def files(tmp_path_factory):
 def path(tmp_path):
     """Of a scene of two passes."""
     path = tmp_path / "s.shscene"
-    scene_file.write(path, "L", [(scene(planes=[{"type": "DEPTH"}]), [COMBINED, ("Depth", "Z", "DEPTH", 1.0)])])
+    scene_file.write(path, "L", [(scene(planes=[{"type": "DEPTH"}], **NOISY), [COMBINED, ("Depth", "Z", "DEPTH", 1.0)])])
     return path
 
 
@@ -46,9 +49,9 @@ def test_options(tmp_path, path):
     alone = made(tmp_path, path, "--passes", "Depth")
     assert_same(alone, {"L.Depth.Z": whole["L.Depth.Z"]})
     for changes, words in (({"samples": few(64)}, ("--samples", few(64))), ({"seed": 9}, ("--seed", 9))):
-        expected, _ = render(scene(**changes))
+        expected, _ = render(scene(**NOISY, **changes))
         found = made(tmp_path, path, *words)
-        assert (found["L.Combined.R"] == expected[::-1, :, 0]).all()
+        assert (found["L.Combined.R"] == expected[::-1, :, 0]).all() and (found["L.Combined.R"] != whole["L.Combined.R"]).any()
     for word, said in (("--help", "usage: shade-render SCENE"), ("-h", "usage: shade-render SCENE"), ("--version", "shade-render ")):
         done = run(word)
         assert done.returncode == 0 and done.stdout.startswith(said) and not done.stderr
@@ -76,8 +79,9 @@ def test_all_that_an_option_may_be_is_taken(tmp_path, words):
 
 def test_exposure_is_of_light_and_warnings_are_told(tmp_path, path):
     """Not of what covers a pixel; without a library nothing is denoised."""
-    scene_file.write(path, "L", [(scene(), [("Combined", "RGBA", "", 2.5), ("Plain", "RGBA", "", 1.0)])])
+    scene_file.write(path, "L", [(scene(), [("Combined", "RGBA", "", 2.5), ("Plain", "RGBA", "", 1.0), ("Less", "RGBA", "", -1.0)])])
     found = made(tmp_path, path)
+    assert all((found[f"L.Less.{letter}"] == -found[f"L.Plain.{letter}"]).all() for letter in "RGB")
     assert all((found[f"L.Combined.{letter}"] == np.float32(2.5) * found[f"L.Plain.{letter}"]).all() for letter in "RGB")
     assert (found["L.Combined.A"] == found["L.Plain.A"]).all() and found["L.Combined.R"].any() and found["L.Combined.A"].any()
     scene_file.write(path, "L", [(scene(use_denoising=True, denoiser="/no/library"), [COMBINED])])
@@ -154,7 +158,18 @@ def test_what_is_written_of_a_scene(tmp_path):
      "pictures[0].scene.meshes[0]: positions must be {\"array\": k} of an array that there is"),
     (lambda header, arrays: header["arrays"][1].update(offset=0), "arrays[1]: offset must be where the array before ends"),
     (lambda header, arrays: header["arrays"][0].update(type="float16"), "arrays[0]: type must be one of float32"),
-    (lambda header, arrays: header["arrays"][0].update(shape=[2**40]), "arrays[0]: shape must be whole numbers"),
+    *((lambda header, arrays, shape=shape: header["arrays"][0].update(shape=shape), "arrays[0]: shape must be whole numbers") for shape in (
+        [2**40], 4, [1.5], [-1], ["4"], [2**20, 2**20])),
+    *((lambda header, arrays, value=value: header["pictures"][0]["passes"][0].update(exposure=value), "pictures[0].passes[0]: exposure must be from -1e+30 to 1e+30")
+      for value in (1.1e30, -1.1e30)),
+    (lambda header, arrays: header["pictures"][0].update(layer=None), "pictures[0]: layer must be a string"), (lambda header, arrays: header.pop("pictures"), "pictures is missing"),
+    (lambda header, arrays: header["pictures"][0].update(passes={}), "pictures[0]: passes must be a list"), (lambda header, arrays: header["pictures"][0].update(scene=[]), "pictures[0].scene: an object is expected"),
+    (lambda header, arrays: header["pictures"][0]["scene"].update(samples=4.5), "pictures[0].scene: samples must be an integer from 1 to 65536"),
+    *((lambda header, arrays, index=index: header["pictures"][0]["scene"]["meshes"][0].update(positions={"array": index}),
+       "pictures[0].scene.meshes[0]: positions must be {\"array\": k} of an array that there is") for index in (-1, 0.5)),
+    *((lambda header, arrays, weight=weight: header["pictures"][0]["scene"]["materials"][0].update(weight=weight),
+       "pictures[0].scene.materials[0]: weight must be 3 operands: finite numbers, or registers [0] to [") for weight in (
+        [0, 0], [0, 0, 0, 0], [0, 0, [-1]], [0, 0, [0.5]], [0, 0, [1, 2]], [0, 0, [100000]], [0, 0, "1"], [0, 0, 1e39])),
     (lambda header, arrays: arrays.append(np.zeros(4, np.float32)), "arrays must be all that is behind the header"),
     (lambda header, arrays: header.update(texts=[{"name": "cryptomatte/1/name", "text": "a"}, {"name": "channels", "text": "a"}]),
      "texts[1]: name must be \"cryptomatte/"),
@@ -186,6 +201,23 @@ def test_a_file_that_ends_in_its_header_is_told(tmp_path, path):
         path.write_bytes(whole[:end])
         done = run(path, "-o", tmp_path / "x.exr")
         assert done.returncode == 1 and f"shade-render: {path}: its header must end in the file" in done.stderr, (end, done.stderr)
+
+
+def test_a_header_that_is_none_is_told(tmp_path, path):
+    whole = path.read_bytes()
+    length = int.from_bytes(whole[8:12], "little")
+
+    def with_header(text):
+        header = text.ljust(length)
+        return whole[:12] + zlib.crc32(header).to_bytes(4, "little") + header + whole[16 + length:]
+
+    for data, said in ((b"SHSCENE\n" + whole[8:], 'no saved scene: "shscene" must be its first line'), (whole[:15], 'no saved scene: "shscene"'), (b"", "it is empty"),
+                       (with_header(b"[1]"), "its header must be an object"), (with_header(b'{"version": 1,'), "its header must be JSON: "),
+                       (with_header(b"{}\0"), "its header must be JSON: it has a zero"), (whole[:16] + b" " + whole[17:], "its header must have the checksum that is before it"),
+                       (whole[:16 + length] + bytes([whole[16 + length] ^ 1]) + whole[17 + length:], "arrays[0]: checksum must be that of the array")):
+        path.write_bytes(data)
+        done = run(path, "-o", tmp_path / "x.exr")
+        assert done.returncode == 1 and done.stderr.startswith(f"shade-render: {path}: {said}"), (said, done.stderr)
 
 
 def test_damaged_files(tmp_path, files):
@@ -256,6 +288,17 @@ def test_shares_merged_are_the_picture(tmp_path, cuts):
         assert np.allclose(found[name], pixels, rtol=3e-6, atol=3e-6), (name, np.abs(found[name] - pixels).max())
 
 
+def test_shares_say_how_many_samples_and_which(tmp_path, path):
+    """Others than the scene's."""
+    given = "--samples", "6", "--seed", "3"
+    parts = shared(tmp_path, path, [("--share", "0,4", *given), ("--share", "4,6", *given)])
+    whole, found = made(tmp_path, path, *given), made(tmp_path, path, "--merge", *parts)
+    assert set(found) == set(whole) and all(np.allclose(found[name], whole[name], rtol=3e-6, atol=3e-6) for name in whole)
+    assert (whole["L.Combined.R"] != made(tmp_path, path)["L.Combined.R"]).any()
+    done = run(path, "-o", tmp_path / "no" / "x.shshare")
+    assert done.returncode == 1 and done.stderr.startswith(f"shade-render: {tmp_path}/no/x.shshare: cannot write"), done.stderr
+
+
 def test_shares_hold_each_picture(tmp_path):
     """Of AOVs and groups of lights: each pass comes from its own."""
     path = tmp_path / "s.shscene"
@@ -308,7 +351,7 @@ def test_shares_that_make_no_picture_are_told(tmp_path):
 
 
 # Of a share: which of its eleven numbers is another, or what stands instead of its bytes; and what is said
-ALTERED = [(0, 2, "its version must be 1"), (10, 2, "it is of another scene"), (2, 0, "it must be of a part"), (4, 8, "it must be of a part"), (5, 21, "it must be of a part"), (4, 1, "it must be of a part"),
+ALTERED = [(0, 2, "its version must be 1"), (10, 2, "it is of another scene"), (2, 0, "it must be of a part"), (2, 65537, "it must be of a part"), (2, 65536, "shares are missing"), (4, 8, "it must be of a part"), (5, 21, "it must be of a part"), (4, 1, "it must be of a part"),
            (6, -1, "it must be of a part"), (7, 16, "it must be of a part"), (8, 17, "it must be of a part"), (9, 17, "it must be of a part"), (11, 4, "it must have the channels of its scene"),
            (8, 15, "it must end with its last pixel"), (None, b"", "it is empty"), (None, b"shshare\n", "no share of a picture"), (None, b"SHSHARE\n" + bytes(99), "no share of a picture")]
 
@@ -324,7 +367,7 @@ def test_shares_that_say_what_is_not_so_are_told(tmp_path, path):
             other = data + zlib.crc32(data).to_bytes(4, "little")
         name.write_bytes(other)
         done = run(path, "-o", tmp_path / "x.exr", "--merge", name)
-        assert done.returncode == 1 and done.stderr.startswith(f"shade-render: {name}: {said}"), (at, said, done.stderr)
+        assert done.returncode == 1 and said in done.stderr and done.stderr.startswith("shade-render: " if said.startswith("shares") else f"shade-render: {name}: {said}"), (at, said, done.stderr)
 
 
 @pytest.mark.parametrize("words, said", [
