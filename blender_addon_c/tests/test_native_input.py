@@ -10,6 +10,7 @@ import pytest
 
 from native_scenes import (
     ROOT,
+    area,
     dump,
     finish,
     image,
@@ -21,6 +22,7 @@ from native_scenes import (
     render,
     scene,
     sky,
+    spot,
     square,
     sun,
     vectors,
@@ -188,6 +190,13 @@ CURVE = {"type": "CURVE", "x": [0.0], "in": [0.0], "low": 0.0, "high": 1.0, "out
     (("layers",), [{"width": 4}, {"width": 4, "tangents_of": 0}], r"layers\[1\]: tangents_of must be a layer of two numbers"), (("layers",), [{"width": 4, "tangents_of": 0}], r"layers\[0\]: tangents_of must be"),
     (("lights", 0, "pattern"), PATTERN, r"lights\[0\]: a sun shines one way and has no pattern"), (("lights", 1, "pattern"), PATTERN | {"face": True}, r"lights\[1\].pattern: face must be an area light"),
     (("lights", 1, "pattern"), PATTERN | {"axes": [1, 0, 0, 0, 0, 0, 0, 0, 1]}, r"lights\[1\].pattern: axes must be three directions"), (("lights", 1, "pattern"), PATTERN, None),
+    (("lights", 1), area((0, 0, 1), direction=(0, 0, 0)), r"lights\[1\]: direction must be a direction"),
+    (("lights", 1), spot((0, 0, 1), (0, 0, 0)), r"lights\[1\]: direction must be a direction"),
+    *((("materials", 0, "weight"), weight, r"materials\[0\]: weight must be 3 operands: finite numbers, or registers \(0\) to \(255\)") for weight in (
+        (0, 0), (0, 0, 0, 0), (0, 0, (-1,)), (0, 0, (256,)), (0, 0, (1, 2)), (0, 0, ()), (0, 0, "1"), (0, 0, 1e39), (0, 0, (0.5,)))),
+    (("materials", 0, "weight"), (0, 0, (255,)), "weight: no node before has written register 255"),
+    (("materials", 0, "nodes", 0), {"type": "GEOMETRY", "what": "NORMAL", "out": [(2,), (3,), (4,)]}, r"nodes\[0\]: out must be registers from 3 on"),
+    (("materials", 0), {"name": "n", "nodes": [], "closures": [DIFFUSE | {"normal": (0, 0, 1)}]}, r"closures\[0\]: normal must be three registers"),
     (("images", 0), image(PIXELS) | {"width": 65536, "height": 65536}, r"images\[0\]: the image has too many pixels"),
     *((("cloths",), [{"preset": "denim", "size": 1.0, "counts": counts}], r"cloths\[0\]: counts must be two numbers from .01 to 10000") for counts in ((0.009, 1), (1, 10001), (-1, 1))),
     *((("cloths",), [{"preset": "denim", "repeats": repeats}], r"cloths\[0\]: repeats must be two numbers to a million") for repeats in ((1.1e6, 1), (1, -1.1e6))),
@@ -202,6 +211,45 @@ def test_malformed_parts_say_what_is_expected(path, value, message):
         return
     with pytest.raises(ValueError, match=message):
         native.start(change(path, value))
+
+
+NOT_GIVEN = [*((key,) for key in (
+    "sky", "looks", "cloths", "scratches", "layers", "attributes", "planes", "mattes", "mist", "shutter", "line_time", "max_bounces", "diffuse_bounces", "transparent_max_bounces",
+    "transparent_less", "caustics_reflective", "reach", "clear_glass", "filter_width", "pixel_filter_type", "vectors", "use_denoising", "time_limit", "adaptive_threshold")),
+    *(("camera", key) for key in ("lens", "motion")), *(("lights", 1, key) for key in ("pattern", "link", "shade", "hidden", "met", "ball")),
+    *(("materials", 0, key) for key in ("weight", "pass_color", "pass_index", "drawn", "turned", "closures", "normal")), *(("images", 0, key) for key in ("paged", "wide"))]
+
+
+def test_none_is_what_is_not_given():
+    plain, none = change(("seed",), 0), change(("seed",), 0)
+    for path in NOT_GIVEN:
+        at, other = none, plain
+        for step in path[:-1]:
+            at, other = at[step], other[step]
+        at[path[-1]] = None
+        other.pop(path[-1], None)
+    expected = render(plain)[0]
+    assert expected[..., :3].any() and np.array_equal(render(none)[0], expected)
+
+
+def test_numbers_out_of_reach_are_the_nearest_within():
+    """Seeds go round, as those of 32 bits do; a panorama's angles end at ten thousand, a light's brightness at 1e30."""
+    noisy = {"lights": [sun(angle=1.0)]}
+
+    def with_seed(seed):
+        return render(scene(seed=seed, width=4, height=4, **noisy))[0]
+    assert np.array_equal(with_seed(2**32 + 5), with_seed(5)) and np.array_equal(with_seed(-1), with_seed(2**32 - 1))
+    assert not np.array_equal(with_seed(5), with_seed(-1))
+    colors = image(np.random.default_rng(1).random((16, 16, 3)).astype(np.float32))
+
+    def around(angle):
+        camera = ROUND | {"panorama": "EQUIRECTANGULAR", "range": [-0.5, angle, -0.5, 0.5]}
+        return render(scene(camera=camera, images=[colors], sky=sky(), meshes=[], transparent=False))[0]
+    assert np.array_equal(around(1e6), around(1e4)) and np.array_equal(around(-1e6), around(-1e4)) and not np.array_equal(around(1e3), around(1e4))
+
+    def lit(strength):
+        return render(scene(width=4, height=4, lights=[point((0, 0, 2), (strength, 0, 1))]))[0]
+    assert np.array_equal(lit(3e38), lit(1e30)) and not np.array_equal(lit(1e29), lit(1e30))
 
 
 def test_cameras_that_some_things_cannot_have():

@@ -208,3 +208,16 @@ def test_a_face_in_a_mirror(round, size):
     lamp = area(tuple(2 * to), size, round=round, direction=tuple(-to)) | {"axis_u": (0.4 * size[0], 0, 0.3 * size[0])}
     picture = render(scene(lights=[lamp], materials=[mirror], camera=ortho(0.02, tuple(3 * eye)), samples=64, width=4, height=4, max_bounces=1))[0]
     assert picture[..., :3].mean() == pytest.approx(1 / (size[0] * size[1] * (np.pi / 4 if round else 1)), rel=0.01)
+
+
+@pytest.mark.parametrize("ball, upright, share", [(True, True, 0.75), (True, False, 1.0), (False, True, 1.0)])
+def test_a_ball_shines_by_its_normals_where_these_are_asked_for(ball, upright, share):
+    """From so far all light goes downwards; normals within 60 degrees of that are those of a disc of 3/4 of the ball's."""
+    def light_of(part):
+        lamp = patterned(point((0, 0, 30.0), (900.0,) * 3, 0.3), part)
+        lamp["pattern"] |= {"upright": True} if upright else {}
+        plate = {"name": "matt", "nodes": [], "closures": [{"closure": "DIFFUSE", "model": "OREN_NAYAR", "roughness": [0.0], "color": (1, 1, 1)}]}
+        made = scene(width=8, height=8, samples=64, materials=[plate], lights=[lamp | {"ball": ball}], camera=ortho(0.05))
+        return render(made)[0][..., 0].mean()
+    whole = light_of(lambda way: np.ones(way.shape))
+    assert whole > 0.01 and light_of(lambda way: np.repeat(1.0 * (way[..., 2:] < -0.5), 3, -1)) == pytest.approx(share * whole, rel=0.02)

@@ -290,6 +290,18 @@ def vectors_of(**changes):
     return found
 
 
+def test_what_was_beside_the_camera_has_no_vector():
+    """Nor will it have one where it comes there: no number says how far it moved. What moves else has its own."""
+    def eye(z):
+        return np.hstack([np.eye(3), [[0], [0], [z]]]).ravel()
+    still = vectors_of(camera=persp() | {"motion": np.float32([eye(0), eye(3), eye(3)])})
+    assert np.isfinite(still).all() and (still == 0).all()
+    again = vectors_of(camera=persp() | {"motion": np.float32([eye(3), eye(3), eye(0)])})
+    assert np.isfinite(again).all() and (again == 0).all()
+    moved = vectors_of(camera=persp() | {"motion": np.float32([eye(0), eye(3), eye(6)])})
+    assert (moved[..., :2] == 0).all() and (moved[..., 2:] != 0).any()
+
+
 def test_vectors_of_cameras_and_of_shapes():
     """A camera that came from the left and goes on upwards sees the opposite; one that sees half as wide each time moves all away from the middle;
     a shape moves as an object does."""

@@ -173,6 +173,21 @@ def test_light_is_averaged_not_its_code(floats, low, high):
     assert found == pytest.approx(truth, abs=1e-4 if floats else 4e-3)  # coarser levels of bytes are bytes, too
 
 
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+def test_of_alpha_the_number_is_averaged(kind):
+    """It is no light, whatever the colours beside it are; of all three kinds of texels."""
+    board = np.where(np.indices((64, 64)).sum(0) % 2, 0.8, 0.2)
+    most = np.iinfo(kind).max if kind != np.float32 else 1
+    pixels = np.repeat((board * most)[..., None], 4, -1)
+    given = pixels.astype(kind) if kind == np.float32 else np.rint(pixels).astype(kind)
+    about = shining(mixed=True)
+    about["closures"] = [{"closure": "EMISSION", "weight": registers(ALPHA, 1) * 3}]
+    assert seen(given, 2.0, about, srgb=True) == pytest.approx(0.5, abs=4e-3)
+    whole = np.full((64, 64, 4), most, kind)
+    whole[..., :3] = given[..., :3]
+    assert seen(whole, 2.0, shining(mixed=True), srgb=True).mean() == pytest.approx(np.mean(light_of(np.array([0.2, 0.8]))), abs=2e-3)
+
+
 @pytest.mark.parametrize("floats", [False, True])
 @pytest.mark.parametrize("srgb", [False, True])
 def test_codes_are_mixed_as_they_are(srgb, floats):
@@ -233,9 +248,10 @@ def test_a_look_elsewhere_says_how_it_moves():
         native.start(scene(texture_blur=-1.0))
 
 
-@pytest.mark.parametrize("folder", ["/tmp", "/dev/shm", "/nowhere/at/all"])
-def test_large_images_look_the_same_wherever_they_lie(folder, monkeypatch):
-    """In a file, or where there is none in memory; what is in a file is not held."""
+@pytest.mark.parametrize("folder", ["", "/dev/shm", "/nowhere/at/all"])
+def test_large_images_look_the_same_wherever_they_lie(folder, monkeypatch, tmp_path):
+    """In a file without a name, or where there is none in memory; what is in a file is not held."""
+    folder = folder or str(tmp_path)
     pixels = np.zeros((4200, 4200, 3), np.uint8)
     pixels[:2100, :, 0], pixels[2100:, :, 1] = 255, 128
     monkeypatch.setenv("TMPDIR", folder)
@@ -248,6 +264,7 @@ def test_large_images_look_the_same_wherever_they_lie(folder, monkeypatch):
     assert state["state"] == "done"
     kind = subprocess.run(["stat", "-f", "-c", "%T", folder], capture_output=True, text=True).stdout.strip()
     on_disk = kind not in ("", "tmpfs")
+    assert not list(tmp_path.iterdir())
     assert (state["memory_peak"] < 4 * pixels.size / 3) == on_disk, (kind, state["memory_peak"])
     found = render(made)[0][..., :3]
     np.testing.assert_allclose(found[:1, :, 0], 1, atol=1e-5)
