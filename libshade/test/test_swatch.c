@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* COST = 0.2 */
+/* COST = 0.4 */
 /* The scene of shade swatch: its lights add up to what they are said to be, its places follow the
  * cloth, and a pixel is the sum over its lights written out here. */
 #include "support.h"
 
 /* What the swatch asks its scratches, without strokes. */
 #define shade_scratch_eval asked_of_scratches
+#define tool_write_pictures asked_to_write
 #include "../tool/swatch.c"
 #undef shade_scratch_eval
+#undef tool_write_pictures
 
 static struct { double u, v, footprint[4]; } asked;
 unsigned asked_of_scratches(const shade_scratch_field *f, double u, double v,
@@ -18,6 +20,24 @@ unsigned asked_of_scratches(const shade_scratch_field *f, double u, double v,
   memcpy(asked.footprint, footprint, sizeof asked.footprint);
   *slopes = (shade_slopes){.normal = {0, 0, 1}};
   return SHADE_OK;
+}
+
+/* What would be written, of which nothing is drawn. */
+static struct {
+  char path[16], note[32];
+  shade_image_spec spec;
+  int count, threads;
+} written;
+int asked_to_write(const char *title, const tool_picture *pictures, int count, int threads,
+                   tool_fill *fill, void *context) {
+  assert_string_equal(title, "swatch");
+  assert_true(fill == fill_rows && context);
+  written.spec = pictures->spec;
+  snprintf(written.path, sizeof written.path, "%s", pictures->path);
+  snprintf(written.note, sizeof written.note, "%s", pictures->spec.note);
+  written.count = count;
+  written.threads = threads;
+  return TOOL_DONE;
 }
 
 /* pi over the sky's irradiance on a sheet that faces the eye, by quadrature over height and turn.
@@ -278,9 +298,92 @@ static void sheets(void **state) {
   }
 }
 
+/* What --help says of sizes, of how many are in a row, and of kinds of files. */
+static void what_is_written(void **state) {
+  (void)state;
+  static const struct {
+    const char *words[8];
+    int width, height, threads; /* tiles are 8 apart, names below; 0: one thread a processor */
+    int type;
+    const char *note;
+  } calls[] = {
+      {{"denim", "-o", "x.exr"}, 4 * 264 + 8, 4 * 264 + 8, 0, SHADE_IMAGE_HALF, "Cotton denim"},
+      {{"-o", "x.png", "DENIM", "--size", "16", "--threads", "7"},
+       4 * 24 + 8,
+       4 * 24 + 8,
+       7,
+       SHADE_IMAGE_U8,
+       "Cotton denim"},
+      {{"--all", "-o", "x.png"},
+       10 * 200 + 8,
+       6 * (200 + 11) + 8,
+       0,
+       SHADE_IMAGE_U8,
+       "shade swatch --all"}};
+  for (int k = 0; k < 3; k++) {
+    char words[9][16] = {"swatch"}, *argv[9] = {words[0]};
+    int argc = 1;
+    for (; calls[k].words[argc - 1]; argc++) {
+      snprintf(words[argc], sizeof words[argc], "%s", calls[k].words[argc - 1]);
+      argv[argc] = words[argc];
+    }
+    assert_int_equal(shade_cmd_swatch(argc, argv), TOOL_DONE);
+    assert_int_equal(written.spec.width, calls[k].width);
+    assert_int_equal(written.spec.height, calls[k].height);
+    assert_int_equal(written.spec.channels, 3);
+    assert_int_equal(written.spec.type, calls[k].type);
+    assert_true(written.spec.srgb);
+    assert_int_equal(written.count, 1);
+    assert_int_equal(written.threads, calls[k].threads ? calls[k].threads : tool_threads());
+    assert_string_equal(written.path, calls[k].type == SHADE_IMAGE_HALF ? "x.exr" : "x.png");
+    assert_string_equal(written.note, calls[k].note);
+  }
+}
+
+/* A row of a tile has the light that --help says: cloths 1.5 of the key and 0.4 of the sky, metals
+ * 0.4 and 0.55; beside it there is ground. */
+static void a_row_has_the_light_of_its_material(void **state) {
+  (void)state;
+  static const char *const words[] = {"linen", "scratched_steel"};
+  for (int k = 0; k < 2; k++) {
+    material m = {.shared = 0};
+    assert_true(shade_preset_find(words[k], &m.preset));
+    assert_true(set_material(&m, 0));
+    tile t = {.azimuth = .3};
+    const sheet sh = {.size = 24, .sky = sky_scale(), .materials = &m, .tiles = &t};
+    float row[3 * 24];
+    draw_row(&sh, &t, 9, row);
+    for (int column = 4; column < 20; column++) {
+      const double x = 2 * (column + .5) / 24 - 1, y = 1 - 2 * (9 + .5) / 24;
+      double want[3] = {0, 0, 0};
+      if (k == 0) {
+        expected_pixel(&m, &t, sh.sky, x, y, 24, want);
+      } else {
+        light lights[MOST_LIGHTS];
+        double eye[3] = {-x, -y, 3.2};
+        spot s;
+        place_key(.3, .4, 64, lights);
+        assert_true(find_spot(&t, x, y, 0, &s));
+        unit(eye);
+        draw_metal(&m, &t, lights, .55 * sh.sky, &s, eye, 2. / 24, want);
+      }
+      for (int c = 0; c < 3; c++)
+        assert_near((double)row[3 * column + c] / want[c], 1, k ? 1e-5 : .03); /* at an edge */
+    }
+    t.cylinder = 1;
+    draw_row(&sh, &t, 9, row);
+    assert_near((double)row[0], .02, 1e-7);
+    shade_fabric_free(m.fabric);
+    shade_weave_free(m.weave);
+    shade_scratch_free(m.scratches);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(sheets),
+      cmocka_unit_test(what_is_written),
+      cmocka_unit_test(a_row_has_the_light_of_its_material),
       cmocka_unit_test(the_sky_adds_up),
       cmocka_unit_test(the_key_is_a_disc),
       cmocka_unit_test(places_follow_the_cloth),
