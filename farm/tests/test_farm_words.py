@@ -81,7 +81,7 @@ def test_frames_that_are_none(text, of_file, said):
 
 
 def test_words_of_options():
-    assert (main.parse_tiles("3x2"), main.parse_program("blender=/a=b"), main.positive("17"), main.whole_number("0")) == ((3, 2), ("blender", "/a=b"), 17, 0)
+    assert (main.parse_tiles("3x2"), main.parse_tiles("9999x9999"), main.parse_program("blender=/a=b"), main.positive("17"), main.whole_number("0")) == ((3, 2), (9999, 9999), ("blender", "/a=b"), 17, 0)
     for parse, words, said in ((main.parse_tiles, ("0x2", "3", "3x", "12345x1"), "NxM was expected, columns and rows"),
                                (main.parse_program, ("cat=x", "blender=", "blender"), "blender=PATH, povray=PATH or shade-render=PATH was expected"),
                                (main.positive, ("0", "-1", "x", "1000000"), "a whole number from 1 on was expected"), (main.whole_number, ("-1", "x"), "a whole number from 0 on was expected")):
@@ -113,7 +113,7 @@ def test_options_and_their_defaults():
     for text in ("print items, inputs and commands, and begin nothing", "copy the scene and what it reads into FOLDER", "each frame in N columns and M rows",
                  "each frame's samples in K parts", "hold all machines to one instruction set", "another input, whose name the scene puts together", "blender, povray or shade-render",
                  "(default NAME-farm-1, -2, ...)", "(default: its current frame, a still)", "(default local)", "(default: local, all cores over all items; slurm, 1)",
-                 "(default: the .blend's, else 24)", "(LIBSHADE_ISA)", "(made where ffmpeg is found)"):
+                 "(default: the .blend's, else 24)", "(LIBSHADE_ISA)", "or a list of commands, .items (renderers/commands.py)", "more options for sbatch, as one word: --sbatch='--mem=4G --time=2:00:00'", "(made where ffmpeg is found)"):
         assert text in said
 
 
@@ -342,7 +342,7 @@ def test_what_comes_after_the_items(job, capsys, monkeypatch):
     wrong = [f"item 1 (frame 2): it was killed, or its machine failed; on node7, log {made.folder}/log/1.log",
              f"item 2 (frame 3): it never began; on no machine, log {made.folder}/log/2.log"]
     assert capsys.readouterr().out.splitlines()[1:] == wrong and files.read_json(made.path("finished.json")) == {"wrong": wrong}
-    assert os.listdir(made.path("frames")) == ["0.png"]
+    assert os.listdir(made.path("frames")) == ["0.png"] and files.read_json(made.path("failed/1.json"))["log"] == made.log(1)
 
     def refuses(*_words):
         raise files.Refusal("sbatch: no such partition")
@@ -620,10 +620,12 @@ def test_lists_of_commands(job, tmp_path):
 # ---- results and files
 
 
-def test_a_result_is_taken_once(job, tmp_path):
+def test_a_result_is_taken_once(job, tmp_path, monkeypatch):
     """The quicker copy's stays; one that a disk has damaged gives way."""
-    made = job()
+    made, synced = job(), []
+    monkeypatch.setattr(files, "synced", synced.append)
     whole(made, 0, seconds=1.0)
+    assert synced == [made.path("work/w0/0.png")]
     told = files.read_json(made.path("results/0/item.json"))
     assert told["seconds"] == 1 and told["files"][0]["path"] == "0.png" and told["files"][0]["size"] == 1 and made.result("0") == [made.path("results/0/0.png")]
     work = pathlib.Path(made.path("work/again"))
@@ -647,7 +649,7 @@ def test_a_result_is_taken_once(job, tmp_path):
 
 def test_what_a_renderer_says_at_its_end(tmp_path, monkeypatch):
     log = item.Log(str(tmp_path / "log"))
-    for words, said in ((["sh", "-c", "echo one; echo ' two '; echo; exit 4"], "^sh ended with 4: two$"), (["sh", "-c", "exit 4"], "^sh ended with 4: it said nothing$"),
+    for words, said in ((["sh", "-c", "echo one; echo ' two '; echo; exit 4"], "^sh ended with 4: two$"), (["sh", "-c", "exit 4"], "^sh ended with 4: it said nothing$"), (["sh", "-c", r"printf '\377 hot\n'; exit 5"], "^sh ended with 5: \ufffd hot$"),
                         (["/none"], "^/none: cannot be run: No such file or directory; --program says where it is$")):
         with pytest.raises(files.Refusal, match=said):
             log.run(words)
@@ -655,7 +657,7 @@ def test_what_a_renderer_says_at_its_end(tmp_path, monkeypatch):
     with pytest.raises(files.Refusal, match="^this machine has no avx512, to which items are held$"):
         log.run(["echo", "warning: LIBSHADE_ISA 'avx512': no"])
     assert log.run(["sh", "-c", "pwd; echo $A"], folder="/", environment={"A": "b"}) == "/\nb\n"
-    assert "in /: sh -c 'pwd; echo $A'" in (tmp_path / "log").read_text()
+    assert "in /: sh -c 'pwd; echo $A'" in (tmp_path / "log").read_text(errors="replace")
 
 
 def test_what_runs_here_is_ended(job, monkeypatch):
@@ -984,6 +986,8 @@ def test_rows_of_a_png(tmp_path, kind, row, wanted):
     """By the standard's filters, worked out by hand: the last by the left, the upper and the upper left neighbour; the row above is 100, 200, 200."""
     place = png_of(tmp_path / "a.png", [0, 100, 200, 200, kind, *row], (3, 2, 8, 0, 0, 0, 0))
     assert list(png.rows_of(place)[2][1]) == wanted and len(png.rows_of(place, 1)[2]) == 1
+    tie = png_of(tmp_path / "b.png", [0, 150, 190, 190, 4, 176, 1, 1], (3, 2, 8, 0, 0, 0, 0))  # left and upper left are equally near: left it is
+    assert list(png.rows_of(tie)[2][1])[:2] == [70, 71]
 
 
 @pytest.mark.parametrize("kind, bits, step", [(0, 8, 1), (2, 8, 3), (3, 8, 1), (4, 8, 2), (6, 8, 4), (0, 16, 2), (6, 16, 8)])
@@ -1030,8 +1034,11 @@ def test_the_program_packs_itself(monkeypatch, tmp_path):
 
 
 def test_files_appear_whole_or_not_at_all(monkeypatch, tmp_path):
-    place = tmp_path / "a.json"
+    place, synced = tmp_path / "a.json", []
+    monkeypatch.setattr(files.os, "fsync", lambda handle: synced.append(os.readlink(f"/proc/self/fd/{handle}")))
     files.write_json(str(place), 1)
+    files.synced(str(place))
+    assert len(synced) == 2 and synced[0].endswith(".tmp") and synced[1] == str(place)  # on the disk before it has its name
     with pytest.raises(TypeError):
         files.write_json(str(place), {"a": object()})
     assert files.read_json(str(place)) == 1 and os.listdir(tmp_path) == ["a.json"]
