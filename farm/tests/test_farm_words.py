@@ -404,6 +404,16 @@ def test_what_is_asked_of_slurm(job, monkeypatch, capsys):
                       f"--wrap={run} merge '{made.folder}' --round 1"]]
     assert files.read_json(made.path("engine.json")) == {"engine": "slurm", "ids": ["102", "103", "104"], "round": 1}
     assert capsys.readouterr().out == f"submitted 6 items as 102, 103, the merge as 104; see: libshade-farm status '{made.folder}'\n"
+
+    def full(*words):
+        if any("-merge" in word for word in words):
+            raise files.Refusal("sbatch: no room")
+        return call(*words)
+    monkeypatch.setattr(slurm, "_call", full)
+    with pytest.raises(files.Refusal, match="^sbatch: no room$"):
+        slurm.submit(made, [0], 2)
+    assert files.read_json(made.path("engine.json")) == {"engine": "slurm", "ids": ["106"], "round": 2}  # what runs can be cancelled
+    monkeypatch.setattr(slurm, "_call", call)
     assert [slurm._spec(numbers) for numbers in ([3], [5, 1, 2], [1, 3, 5])] == ["3", "1-2,5", "1,3,5"]
     shown = slurm.commands(made, [0])
     assert len(shown) == 2 and "afterany:ARRAY1 " in shown[1] and "--round 0" in shown[1]
