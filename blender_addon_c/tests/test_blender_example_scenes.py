@@ -26,7 +26,6 @@ from blender_runs import ROOT
 COST = 10.4
 
 WORDS = {"jacket-near-cycles-7": "near cycles 7"}
-ENGINES_TOO = ["make_engines"] if "BOTH" in os.environ else []
 SKY_LINKS = ["Background.Background MixShader.Shader", "Background.Background MixShader.Shader", "LightPath.Is Camera Ray MixShader.Factor",
              "Mapping.Vector TexEnvironment.Vector", "MixShader.Shader OutputWorld.Surface", "TexCoord.Generated Mapping.Vector",
              "TexEnvironment.Color Background.Color"]
@@ -580,7 +579,7 @@ def unlike(found, said, place=""):
 def built(blender_new, tmp_path_factory):
     scripts = [f"{ROOT}/examples/blender/{name.partition('-')[0]}/make_scene.py {WORDS.get(name, name.partition('-')[2])}".strip() for name in SCENES
                if not name.startswith("make_")]
-    scripts += [f"{ROOT}/examples/blender/nodes/{name}.py" for name in ("make_first", "make_effects", *ENGINES_TOO)]
+    scripts += [f"{ROOT}/examples/blender/nodes/{name}.py" for name in ("make_first", "make_effects", "make_engines", "make_pictures")]
     facts = tmp_path_factory.mktemp("facts") / "facts.json"
     blender_new.run("example_scenes.py", facts, *scripts)
     return json.loads(facts.read_text())
@@ -604,8 +603,31 @@ def test_scene(built, name):
     assert not unlike(found, SCENES[name])
 
 
-@pytest.mark.skipif(not ENGINES_TOO, reason="bakes: of make soak")
+GRAPHS = {  # of each picture of the editor: nodes and links, and where nodes stand
+    "metal": [[["Metal", {"Color": [0.9, 0.62, 0.3, 1]}], ["NormalMap", {}], ["TexImage", {}]],
+              ["Metal.BSDF OutputMaterial.Surface", "NormalMap.Normal Metal.Normal", "TexImage.Color NormalMap.Color"],
+              {"TexImage": [-520, -230], "NormalMap": [-220, -230], "LibshadeMetalNode": [0, 0], "OutputMaterial": [280, 0]}],
+    "fabric": [[["Fabric", {"preset": "DENIM"}], ["NormalMap", {}], ["TexImage", {}]],
+               ["Fabric.BSDF OutputMaterial.Surface", "NormalMap.Normal Fabric.Normal", "TexImage.Color NormalMap.Color"],
+               {"TexImage": [-520, -100], "NormalMap": [-220, -100], "LibshadeFabricNode": [0, 0], "OutputMaterial": [260, 0]}],
+    "groove": [[["BsdfAnisotropic", {"Anisotropy": 0.5}], ["Group", {"of": "Libshade Groove"}], ["NormalMap", {}], ["TexImage", {}]],
+               ["BsdfAnisotropic.BSDF OutputMaterial.Surface", "Group.Tangent BsdfAnisotropic.Tangent", "NormalMap.Normal BsdfAnisotropic.Normal",
+                "NormalMap.Normal Group.Normal", "TexImage.Color NormalMap.Color"],
+               {"TexImage": [-800, -140], "NormalMap": [-500, -140], "Group": [-230, -60], "BsdfAnisotropic": [0, 0], "OutputMaterial": [220, 0]}],
+    "scratches": [[["Metal", {}], ["Scratches", {}]], ["Metal.BSDF OutputMaterial.Surface", "Scratches.Normal Metal.Normal"],
+                  {"LibshadeScratchesNode": [-280, 0], "LibshadeMetalNode": [0, 0], "OutputMaterial": [280, 0]}],
+}
+
+
+def test_graphs_in_the_editor(built):
+    """In an editor of shaders without side bars; nothing is selected."""
+    assert {name: [*tree, places] for name, tree, places, _area in built["make_pictures"]} == GRAPHS
+    assert all(area == ["ShaderNodeTree", False, False, False, []] for *_tree, area in built["make_pictures"])
+
+
 def test_three_engines(built):
+    if "BOTH" not in os.environ:  # else it is baked
+        assert built["make_engines"].pop(0) == ["LibshadeScratchesNode", "steel", True]
     pictures = [scene.pop("picture") for scene in built["make_engines"]]
     assert [picture[0] for picture in pictures] == ["LIBSHADE", "CYCLES", "BLENDER_EEVEE"]
     assert {tuple(picture[1:6]) for picture in pictures} == {(900, 210, 100, 64, 64)}

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scripts of setup/, each in a small house of its own with stand-ins for what it starts: what they do, say and end with."""
 import ast
+import contextlib
 import importlib.util
 import json
 import os
 import re
+import runpy
 import shlex
 import shutil
 import struct
@@ -13,6 +15,7 @@ import sys
 import types
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -954,3 +957,48 @@ def test_what_is_started_for_pictures(monkeypatch, tmp_path):
     sheet = Image.open(tmp_path / "examples/blender.jpg")
     for (x, y), name in {(4, 4): "pan", (1436, 400): "dial", (4, 410): "drape", (442, 806): "jacket", (1436, 806): "jacket-near"}.items():
         assert abs(sheet.getpixel((x, y))[0] - colours[f"blender-{name}.png"]) < 4, name
+
+
+def test_pictures_of_nodes_are_cut_out(monkeypatch, tmp_path):
+    """By what is not the editor's background, but its header and scroll bars; one after another, then Blender ends."""
+    done, files = [], {}
+    area, region = types.SimpleNamespace(width=80, height=60), types.SimpleNamespace(type="WINDOW")
+    area.regions = [types.SimpleNamespace(type="HEADER"), region]
+    window = types.SimpleNamespace(screen=types.SimpleNamespace(areas=[types.SimpleNamespace(width=90, height=3), area]), width=1600, cursor_warp=lambda *place: done.append(place))
+    shown = np.full((200, 300, 4), .2, np.float32)
+    shown[80:120, 100:180] = .9
+    shown[-34:] = shown[:20] = shown[:, -20:] = .5
+    shown[150, 40:45] = 1  # a grid's point
+
+    class Pictured:
+        def __init__(self, name, *size):
+            self.name, self.size, self.pixels = name, size, self
+
+        def foreach_set(self, values):
+            self.made = np.reshape(values, (self.size[1], self.size[0], 4))
+
+        def save(self):
+            files[self.filepath_raw] = (self.file_format, self.made)
+    step = lambda name: lambda *given, **words: done.append((name, *given, words))
+    ops = types.SimpleNamespace(wm=types.SimpleNamespace(quit_blender=step("quit"), redraw_timer=step("draw")), node=types.SimpleNamespace(view_all=step("all")),
+                                screen=types.SimpleNamespace(screenshot_area=step("taken")))
+    timers, view = [], types.SimpleNamespace(show_splash=True, show_tooltips=True, smooth_view=200)
+    context = types.SimpleNamespace(window_manager=types.SimpleNamespace(windows=[window]), preferences=types.SimpleNamespace(view=view), temp_override=lambda **_words: contextlib.nullcontext(),
+                                    scene=types.SimpleNamespace(render=types.SimpleNamespace(engine="")))
+    images = types.SimpleNamespace(load=lambda _path: types.SimpleNamespace(size=(300, 200), pixels=shown.ravel()), new=Pictured)
+    monkeypatch.setitem(sys.modules, "bpy", types.SimpleNamespace(ops=ops, context=context, data=types.SimpleNamespace(images=images), app=types.SimpleNamespace(
+        timers=types.SimpleNamespace(register=lambda call, first_interval: timers.append((call, first_interval))))))
+    monkeypatch.setattr(sys, "argv", ["blender", "--", str(tmp_path / "made")])
+    runpy.run_path(str(ROOT / "examples/blender/nodes/make_pictures.py"))
+    (pictures, first), = timers
+    assert first > 1 and (view.show_splash, view.show_tooltips, view.smooth_view) == (False, False, 0) and (tmp_path / "made").is_dir()
+    assert [make.__name__ for make in pictures.left] == ["metal", "fabric", "groove", "scratches"] and context.scene.render.engine == "LIBSHADE"
+    monkeypatch.setattr(type(pictures), "show", lambda _self, make: done.append(make.__name__))
+    waits = [pictures() for _ in range(16)]
+    assert waits == [.7] * 15 + [None] and done[-1] == ("quit", {})
+    drawn = ("draw", {"type": "DRAW_WIN_SWAP", "iterations": 1})
+    for k, name in enumerate(("metal", "fabric", "groove", "scratches")):
+        path = str(tmp_path / f"made/{name}.png")
+        assert done[6 * k:6 * k + 6] == [name, (1596, 4), drawn, ("all", {}), drawn, ("taken", {"filepath": path})]
+        kind, made = files[path]
+        assert kind == "PNG" and (made == shown[64:135, 84:195]).all()  # sixteen pixels around

@@ -34,6 +34,8 @@ def plain(value):
 
 def node_of(tree, node):
     """What was set of a node, beside one that is as it comes; a cloth's are those of its preset."""
+    if node.bl_idname == "ShaderNodeGroup":
+        return {"of": node.node_tree.name}
     other = bpy.data.node_groups.new("fresh", tree.bl_idname)
     try:
         fresh = other.nodes.new(node.bl_idname)
@@ -173,6 +175,19 @@ def rendered(seen):
     bpy.data.images.remove(image)
 
 
+def drawn(world):
+    """Graphs of make_pictures.py, which are shown in an editor: their trees, and where nodes stand."""
+    pictures = world["Pictures"]()
+    for make in pictures.left:
+        pictures.show(make)
+        _window, area, _region = pictures.window()
+        tree = bpy.context.object.active_material.node_tree
+        selected = [node.name for node in tree.nodes if node.select]
+        shown = area.spaces.active
+        yield [make.__name__, tree_of(tree), {node.bl_idname.replace("ShaderNode", ""): plain(node.location) for node in tree.nodes},
+               [area.ui_type, shown.show_region_ui, shown.show_region_toolbar, shown.overlay.show_context_path, selected]]
+
+
 found, (target, *scripts) = {}, common.arguments()
 sys.dont_write_bytecode = True  # beside an example
 for words in scripts:
@@ -181,7 +196,7 @@ for words in scripts:
     name = "-".join([name, *rest])
     seen = found[name] = []
     bpy.ops.render = types.SimpleNamespace(render=lambda write_still, seen=seen: rendered(seen))
-    if name == "make_first":
+    if name in ("make_first", "make_pictures"):
         bpy.ops.wm.read_homefile(use_factory_startup=True)
         common.enable()
     with tempfile.TemporaryDirectory() as folder:
@@ -196,6 +211,11 @@ for words in scripts:
         bpy.app.handlers.frame_change_post.append(falls(fallen))
         if "parts" in world and words != scripts[0]:
             world["parts"].begin = begin
+        if name == "make_pictures":
+            seen += drawn(world)
+            continue
+        if name == "make_engines" and "BOTH" not in os.environ:  # a bake takes minutes
+            world["parts"].of_addon("scratches").bake = lambda node, name, scene: seen.append([node.bl_idname, name, scene == bpy.context.scene])
         if "Jacket" in world:
             sewn = world["Jacket"].thread
             world["Jacket"].thread = lambda jacket, sewn=sewn: (jacket.seams.__delitem__(slice(2, None)), sewn(jacket)) if jacket.seams else None
