@@ -8,7 +8,7 @@ import numpy as np
 import programs
 import pytest
 
-COST = 1.2
+COST = 3.2
 
 VECTOR, DOUBLES, R = ctypes.c_double * 3, ctypes.POINTER(ctypes.c_double), 1 / np.pi
 SMOOTH, WAVES, SCRATCHES = range(3)
@@ -286,3 +286,105 @@ def test_rays_meet_fields(fields, kind):
             assert (cast(foot, up) < 0) == (over > 0)
             met += over < 0
     assert met > 5
+
+
+# ---- compare/horizon.c
+
+
+@pytest.fixture(scope="module")
+def bumps(tmp_path_factory):
+    """compare/horizon.c's own functions: field 0 is the sinusoid, 1 the random one."""
+    ctypes.CDLL(next(programs.BUILD.glob("libshade.so.*")), ctypes.RTLD_GLOBAL)
+    made = library(tmp_path_factory.mktemp("horizon"), """
+#define main horizon_main
+#include "horizon.c"
+int shade_whole_write(const char *path, const char *text, size_t length, char *why, size_t room) { return 0; }
+static field of[2];
+void one_begin(void) { random_state = 1; of[0] = sinusoid(0.6); of[1] = band_limited(0.6 / sqrt(2)); }
+double one_height(int k, double u, double v) { return height(&of[k], u, v); }
+vec one_normal(int k, double u, double v) { return normal(&of[k], u, v); }
+double one_cast(int k, vec from, vec along) { return cast(&of[k], from, along); }
+int one_lit(int k, vec p, vec n, vec wi) { return lit(&of[k], p, n, wi); }
+double one_bound(int k, int steepest) { return steepest ? of[k].steepest : of[k].top; }
+vec one_at(double elevation, double azimuth) { return at_angles(elevation, azimuth); }
+void one_means(int which, vec n, vec wo, int count, double to[4]) {
+  const shade_bsdf b = material(which, 0);
+  for (int i = 0; i < count; i++) {
+    double weight;
+    const vec w = sample(which, &b, n, wo, &weight);
+    to[0] += weight / count, to[1] += weight * w.x / count, to[2] += weight * w.y / count, to[3] += weight * w.z / count;
+  }
+}
+double one_facet(int which, vec n, vec wi, vec wo) { const shade_bsdf b = material(which, 0); return facet(&b, n, wi, wo); }
+""", programs.HERE, programs.ROOT / "libshade", programs.ROOT / "libshade/include")
+    for name in ("height", "cast", "bound", "facet"):
+        getattr(made, f"one_{name}").restype = ctypes.c_double
+    made.one_normal.restype = made.one_at.restype = Vec
+    made.one_begin()
+    return made
+
+
+def test_bumps_under_horizons(bumps):
+    """Plate.py's sinusoid, and waves of the same mean square slope that meet over the seams; normals by differences."""
+    random = np.random.default_rng(3)
+    for k in (0, 1):
+        height = lambda u, v, k=k: bumps.one_height(k, ctypes.c_double(u), ctypes.c_double(v))  # noqa: E731
+        squares = []
+        for u, v in random.random((400, 2)):
+            step = 1e-6
+            slope = np.array([height(u + step, v) - height(u - step, v), height(u, v + step) - height(u, v - step)]) / (2 * step)
+            n = bumps.one_normal(k, ctypes.c_double(u), ctypes.c_double(v))
+            assert np.allclose(np.array([n.x, n.y]) / n.z, -slope, atol=1e-6) and n.x**2 + n.y**2 + n.z**2 == pytest.approx(1)
+            assert height(u + 1, v) == pytest.approx(height(u, v)) == height(u, v - 1) and abs(height(u, v)) <= bumps.one_bound(k, 0) and np.hypot(*slope) <= bumps.one_bound(k, 1)
+            assert k or height(u, v) == pytest.approx(0.6 / (4 * np.pi) * np.sin(4 * np.pi * u) * np.sin(4 * np.pi * v))
+            squares.append((slope**2).sum())
+        assert np.mean(squares) == pytest.approx(0.6**2 / 2, rel=0.1)
+    values = np.array([[bumps.one_height(1, ctypes.c_double(u), ctypes.c_double(v)) for u in np.arange(16) / 16] for v in np.arange(16) / 16])
+    spectrum, waves = np.abs(np.fft.fft2(values)), np.hypot(*np.meshgrid(*[np.fft.fftfreq(16, 1 / 16)] * 2))
+    kept = spectrum > 1e-9 * spectrum.max()
+    assert waves[kept].min() >= 2 and waves[kept].max() <= 5 and 12 <= kept.sum() <= 24
+    up = bumps.one_at(ctypes.c_double(30), ctypes.c_double(60))
+    assert (up.x, up.y, up.z) == pytest.approx((0.75**0.5 / 2, 0.75, 0.5))
+
+
+def test_rays_over_bumps(bumps):
+    random, hidden = np.random.default_rng(5), 0
+    for k in (0, 1):
+        height = np.vectorize(lambda u, v, k=k: bumps.one_height(k, ctypes.c_double(u), ctypes.c_double(v)))
+        top = bumps.one_bound(k, 0)
+        for _ in range(30):
+            elevation, azimuth = random.uniform(0.1, 1.4), random.uniform(0, 6)
+            along = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
+            u, v = random.random(2)
+            foot = np.array([u, v, height(u, v)])
+            way = foot[:, None] + along[:, None] * np.linspace(0, (top - foot[2]) / along[2] + 0.01, 120)[2:]
+            over = (way[2] - height(way[0], way[1])).min()
+            n = bumps.one_normal(k, ctypes.c_double(u), ctypes.c_double(v))
+            facing = along @ [n.x, n.y, n.z]
+            if abs(over) > 2e-3:
+                assert bumps.one_lit(k, Vec(*foot), n, Vec(*along)) == (facing > 0 and over > 0)
+                hidden += facing > 0 > over
+                assert not bumps.one_lit(k, Vec(*foot), Vec(-n.x, -n.y, -n.z), Vec(*along)) or facing < 0
+            start = foot + along * (1.001 * top - foot[2]) / along[2]
+            t = bumps.one_cast(k, Vec(*start), Vec(*-along))
+            way = start[:, None] - along[:, None] * np.linspace(0, t, 80)[:-1]
+            there = start - t * along
+            assert there[2] == pytest.approx(float(height(*there[:2])), abs=1e-6) and (way[2] - height(way[0], way[1])).min() > -2e-4
+            assert bumps.one_cast(k, Vec(*start), Vec(*along)) == -1
+    assert hidden > 1
+
+
+@pytest.mark.parametrize("which", [0, 1, 2], ids=["ashikhmin_shirley", "ggx", "lambert"])
+def test_draws_from_facets(bumps, which):
+    """Weights are those of f cos over the density: their mean is the albedo, that of the directions where it is sent; whatever the facet's tilt."""
+    z, turn = ((np.arange(90) + 0.5) / 90)[:, None], 2 * np.pi * (np.arange(90) + 0.5) / 90
+    local = np.stack(np.broadcast_arrays(np.sqrt(1 - z * z) * np.cos(turn), np.sqrt(1 - z * z) * np.sin(turn), z), -1).reshape(-1, 3)
+    for tilt, eye in (((0, 0, 1), (0.3, 0.4, 0.75**0.5)), ((0.36, 0.48, 0.8), (-0.2, 0.1, 0.95**0.5))):
+        n = np.array(tilt, float)
+        x = np.array([n[2], 0, -n[0]]) / np.hypot(n[0], n[2])
+        around = local @ np.stack([x, np.cross(n, x), n])
+        values = np.array([bumps.one_facet(which, Vec(*n), Vec(*w), Vec(*eye)) for w in around]) * 2 * np.pi / len(around)
+        means = (ctypes.c_double * 4)()
+        bumps.one_means(which, Vec(*n), Vec(*eye), 20000, means)
+        assert list(means) == pytest.approx([values.sum(), *(values[:, None] * around).sum(0)], abs=0.015), tilt
+        assert which != 2 or means[0] == pytest.approx(1)
