@@ -52,15 +52,33 @@ class Matrix(np.ndarray):
         return made
 
 
-class Sockets(dict):
-    """Made when they are asked for, by name or number; each knows its node."""
+class Socket:
+    def __init__(self, node, name):
+        self.node, self.name, self.links, self.default_value = node, name, [], None
 
-    def __init__(self, node, side):
+    is_linked = property(lambda self: bool(self.links))
+
+
+class Sockets(dict):
+    """Made when they are asked for, by name or number; iterated over as Blender's are."""
+
+    def __init__(self, node):
         super().__init__()
-        self.node, self.side = node, side
+        self.node = node
 
     def __missing__(self, key):
-        made = self[key] = SimpleNamespace(default_value=None, place=(self.node.bl_idname, self.side, key))
+        made = self[key] = Socket(self.node, key)
+        return made
+
+    def __iter__(self):
+        return iter(self.values())
+
+
+class Nodes(list):
+    def new(self, kind):
+        made = SimpleNamespace(bl_idname=kind, type=kind.removeprefix("ShaderNode").upper())
+        made.inputs, made.outputs = Sockets(made), Sockets(made)
+        self.append(made)
         return made
 
 
@@ -71,19 +89,18 @@ class Tree:
         self.nodes, self.links, self.linked = Nodes(), self, []
 
     def new(self, source, target):
-        self.linked.append((source.place[0], source.place[2], target.place[0], target.place[2]))
+        self.linked.append((source.node.bl_idname, source.name, target.node.bl_idname, target.name))
+        target.links[:] = [SimpleNamespace(from_node=source.node, from_socket=source, to_socket=target)]
 
+    def remove(self, link):
+        link.to_socket.links.remove(link)
 
-class Nodes(list):
-    def new(self, kind):
-        made = SimpleNamespace(bl_idname=kind)
-        made.inputs, made.outputs = Sockets(made, "in"), Sockets(made, "out")
-        self.append(made)
-        return made
+    def get_output_node(self, target):
+        return next((node for node in self.nodes if node.bl_idname == "ShaderNodeOutputMaterial"), None) if target == "ALL" else None
 
 
 def material(name):
-    return SimpleNamespace(name=name, use_nodes=False, node_tree=Tree())
+    return SimpleNamespace(name=name, use_nodes=False, node_tree=Tree(), diffuse_color=(0.8, 0.8, 0.8, 1))
 
 
 @contextlib.contextmanager
