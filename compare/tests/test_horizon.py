@@ -61,10 +61,10 @@ def test_nothing_differs_where_all_is_lit_and_seen(rows):
     assert sum(r["shading"] for r in low) > 0.1 * sum(r["truth"] for r in low)
 
 
-@pytest.mark.parametrize("light, view", [(40, 60), (20, 40), (10, 20), (20, 10)])
+@pytest.mark.parametrize("light, view", [(20, 40), (10, 20), (20, 10)])
 def test_sinusoid_by_marching(rows, light, view):
     """Lambert's truth again: plate.py's heights, walked along in small even steps."""
-    size, steps = 48, 1500
+    size, steps = 64, 1500
     row, = [r for r in horizon.pick(rows, field="sinusoid", material="lambert", horizon="hard",
                                     light=float(light), view=float(view))
             if r["light_azimuth"] < 180 < r["view_azimuth"]]
