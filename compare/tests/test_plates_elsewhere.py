@@ -100,9 +100,9 @@ def test_meshes_of_the_plate(blender):
     mesh.normals_split_custom_set_from_vertices.assert_called_once_with(np.ones((4, 3)).tolist())
     mesh.update.assert_called_once_with(calc_edges=True)
     assert not script.new_mesh(np.eye(4)[:, :3], None, faces, uv).normals_split_custom_set_from_vertices.called
-    given["parts_of"], given["new_material"] = lambda _job, _file: (np.eye(4)[:, :3], None, faces, uv), lambda *_given: "metal"
+    given["parts_of"], given["new_material"] = lambda _job, file: (np.eye(4)[:, :3], None, faces, uv) if file == "" else 1 / 0, lambda _job, image: image
     first = script.shared_mesh(JOB, "image", "")
-    first.materials.append.assert_called_once_with("metal")
+    first.materials.append.assert_called_once_with("image")
     assert all(script.shared_mesh({**JOB, **job}, "image", "") is first for job in ({"seed": 3}, {"samples": 9}, {"sky": "x"}, {"output": "y"}, {"repeat": 4}))
     assert all(script.shared_mesh({**JOB, **job}, "image", "") is not first for job in ({"surface": "displaced"}, {"quads": 9}, {"detail": "none"}, {"engine": "CYCLES"}))
 
@@ -157,6 +157,55 @@ def test_renders_take_turns(blender, tmp_path):
     assert all(scene == seen for scene, seen, *_rest in asked) and [path for *_rest, path, how in asked if how] == ["a.exr", "c.exr"]
     assert json.loads((tmp_path / "result.json").read_text()) == {"seconds": [[1, 13], [5], [9, 17, 21]], "blender": "3.4.1"}
     assert bpy.data.images.load.return_value.colorspace_settings.name == "Non-Color" and bpy.data.images.load.call_args.args == ("map.exr",)
+
+
+@pytest.mark.parametrize("world", [True, False])
+def test_a_file_is_rendered_as_pov_ray_does(monkeypatch, capsys, tmp_path, world):
+    """One bounce, plain pixels, nothing that only our engine softens, no light of the background's."""
+    monkeypatch.setattr(sys, "argv", ["blender", "--", "out.exr", "25", "16"])
+    with fake_blender.imported() as (bpy,):
+        scene = bpy.context.scene
+        scene.render.resolution_x, scene.render.resolution_y = 402, 300
+        if not world:
+            scene.world = None
+        _script, given = read("blender_render")
+        given["main"](*sys.argv[2:])
+        render, ours = scene.render, scene.libshade
+        assert (render.engine, ours.samples, ours.max_bounces, ours.pixel_filter_type, ours.light_sampling_threshold, ours.soft_terminator, ours.filter_normals) == ("LIBSHADE", 16, 0, "BOX", 0, False, False)
+        assert (render.resolution_percentage, render.image_settings.file_format, render.image_settings.color_depth, render.use_file_extension) == (25, "OPEN_EXR", "32", False)
+        assert render.filepath.startswith("/") and render.filepath.endswith("/out.exr")
+        seen = scene.world and scene.world.cycles_visibility
+        assert not world or (seen.diffuse, seen.glossy, seen.transmission, seen.scatter) == (False,) * 4
+        bpy.ops.render.render.assert_called_once_with(write_still=True)
+    assert capsys.readouterr().out == "size 100 75\n"
+
+
+def test_cloth_for_cycles(monkeypatch):
+    """As near as it gets, twenty crossings across a plane and 320 round a ball, without what differs by chance where that is asked; sharp pixels of both engines."""
+    with fake_blender.imported("cloth_render") as (bpy, script):
+        bpy.app.version = (3, 4, 1)
+        monkeypatch.setattr(script.importlib, "import_module", lambda name: SimpleNamespace(cloth=lambda word: {("libshade._native", "denim"): {"counts": (30, 40)}}[name, word]))
+        request = {"preset": "DENIM", "scene": "plane", "engine": "CYCLES", "picture": "/x/a.exr", "even": True, "samples": 7, "side": 32}
+        for scene, crossings, scale in (("plane", 20, 1.2), ("ball", 320, 2.1)):
+            uv = [SimpleNamespace(uv=SimpleNamespace(x=x)) for x in (0.25, 1)]
+            bpy.context.object.data.uv_layers.active.data = uv
+            even = scene == "plane"
+            cloth = script.cloth({**request, "scene": scene, "even": even})
+            node = cloth.node_tree.nodes[0]
+            assert (node.preset, node.distance, node.size) == ("DENIM", "NEAR", pytest.approx(crossings / (100 * 1200**0.5)))
+            flat = {f"{yarn}_{word}" for yarn in ("warp", "weft") for word in ("vary_brightness", "vary_tilt", "along_brightness", "along_tilt", "slub")}
+            assert {name for name in vars(node) if name[:5] in ("warp_", "weft_")} == (flat if even else set()) and all(getattr(node, name) == 0 for name in flat if even)
+            assert cloth.node_tree.linked == [("LibshadeFabricNode", 0, "ShaderNodeOutputMaterial", "Surface")]
+            lamps = []
+            monkeypatch.setattr(script, "lamp", lambda _scene, *said: lamps.append(said))
+            script.build({**request, "scene": scene, "even": even})
+            made = bpy.context.scene
+            assert (made.camera.data.type, made.camera.data.ortho_scale, made.camera.location) == ("ORTHO", scale, (0, 0, 4)) and [one.uv.x for one in uv] == ([0.25, 1] if even else [0.5, 2])
+            assert lamps == [(2.2, (0.75, 0.3, 0)), (0.8, (-0.9, -0.9, 0))] and bpy.context.object.data.materials.append.called
+        render, made = bpy.context.scene.render, bpy.context.scene
+        assert (render.engine, render.resolution_x, render.resolution_y, render.film_transparent, render.image_settings.file_format, render.image_settings.color_depth) == ("CYCLES", 32, 32, True, "OPEN_EXR", "32")
+        assert (made.libshade.samples, made.cycles.samples, made.libshade.max_bounces, made.cycles.max_bounces, made.cycles.use_adaptive_sampling, made.cycles.use_denoising) == (7, 7, 1, 1, False, False)
+        assert (made.cycles.pixel_filter_type, made.libshade.pixel_filter_type, made.cycles.filter_width) == ("BOX", "BOX", 0.01)
 
 
 # ---- Mitsuba
