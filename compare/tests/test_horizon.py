@@ -9,7 +9,7 @@ import horizon
 import plate
 import programs
 
-COST = 6.4
+COST = 5.9
 
 PROGRAM = programs.BUILD / "horizon"
 

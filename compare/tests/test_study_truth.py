@@ -16,7 +16,7 @@ import sheet
 import slopes
 import study_truth
 
-COST = 2.3
+COST = 2.6
 TOGETHER = "report"
 
 if not displacement.PROGRAM.exists():
@@ -84,6 +84,46 @@ def test_the_brdf_is_the_one_asked_for(tmp_path, brdf):
     density = 0.3**2 / np.pi / (h[2]**2 * (0.3**2 - 1) + 1) ** 2
     expected = density / (1 + hidden) / 4 if brdf == "microfacet" else density * SUN[2] / (4 * h[2])
     np.testing.assert_allclose(displacement.read_pfm(tmp_path / "o.pfm")[:, :8], expected, rtol=1e-6)
+
+
+def picture(tmp_path, *words):
+    """The truth, then each method, of one order; its rows."""
+    displacement.run("pictures", tmp_path / "o.csv", *words, "--picture", tmp_path / "o.pfm")
+    return displacement.read_pfm(tmp_path / "o.pfm"), displacement.read(tmp_path / "o.csv")
+
+
+def test_lights_add_up_and_samples_are_a_finer_picture(tmp_path):
+    """Four suns on a flat plate; a pixel of four samples is the mean of a picture's twice as fine; errors are those of the pictures."""
+    wide = ["--mdf", "ggx", "--brdf", "microfacet", "--first", 0.5, "--second", 0.5, "--methods", "none,perturb"]
+    suns = np.array([[0.3, 0.5, 0.8], [-0.75, 0.2, 0.65], [0.7, -0.35, 0.6], [-0.1, -0.8, 0.6]])
+    suns /= np.linalg.norm(suns, axis=1, keepdims=True)
+    f, cosine = slopes.shade.eval(slopes.shade.Material(mdf="ggx", brdf="microfacet", ax=0.5, ay=0.5, detail="none", fresnel="none", horizon="hard"), UP, suns, UP)
+    each = (f[:, 0] * cosine).tolist()
+    for lights in (1, 2, 4):
+        seen, rows = picture(tmp_path, *wide, "--slope", 0, "--size", 2, "--lights", lights)
+        assert seen == pytest.approx(np.full((2, 6), sum(each[:lights])), rel=1e-6) and rows[0]["truth"] == pytest.approx(sum(each[:lights]), rel=1e-6)
+    for base in ("plate", "sphere"):
+        fine, rows = picture(tmp_path, *wide, "--base", base, "--slope", 0.7, "--size", 16, "--lights", 2)
+        coarse, _rows = picture(tmp_path, *wide, "--base", base, "--slope", 0.7, "--size", 8, "--lights", 2, "--over", 2)
+        assert coarse == pytest.approx(fine.reshape(8, 2, 24, 2).mean((1, 3)), rel=1e-5, abs=1e-7)
+        truth, *seen = np.split(fine, 3, axis=1)
+        for row, method, values in zip(rows, ("none", "perturb"), seen):
+            assert (row["method"], row["base"], row["bumps"], row["slope"], row["first"]) == (method, base, "waves", 0.7, 0.5)
+            assert (row["error"], row["brightness"]) == (pytest.approx(np.abs(values - truth).sum() / truth.sum(), rel=1e-5), pytest.approx(values.sum() / truth.sum(), rel=1e-5))
+            assert row["truth"] == pytest.approx(truth.sum() / (256 if base == "plate" else (truth > 0).sum()), rel=1e-5 if base == "plate" else 0.1)
+
+
+def test_what_is_not_said(tmp_path):
+    """Is as the usage says it; methods are all but auto, and another seed makes other scratches."""
+    short = ["--methods", "rotate", "--size", 16]
+    said = ["--mdf", "ashikhmin_shirley", "--brdf", "auto", "--first", 200, "--second", 10, "--base", "plate", "--bumps", "waves", "--slope", 0.6, "--seed", 3, "--lights", 1, "--over", 1]
+    assert np.array_equal(picture(tmp_path, *short)[0], picture(tmp_path, *short, *said)[0])
+    one, three, four = (picture(tmp_path, *short, "--bumps", "scratches", *seed)[0] for seed in ((), ("--seed", 3), ("--seed", 4)))
+    assert np.array_equal(one, three) and not np.array_equal(three, four)
+    assert picture(tmp_path, "--methods", "none")[0].shape == (128, 256)
+    assert {row["method"] for row in picture(tmp_path, "--size", 1)[1]} == set(slopes.shade.choices("detail")) - {"auto"}
+    one, two = (displacement.run("lobes", tmp_path / f"{k}.csv", "--methods", "none", "--azimuths", 1, *words) or (tmp_path / f"{k}.csv").read_text() for k, words in enumerate(((), ("--tilt", 30))))
+    assert one == two and one.splitlines()[1].startswith("30,ashikhmin_shirley,200,10,none,")
 
 
 def test_lobes_of_no_tilt_and_of_known_ones(tmp_path):
