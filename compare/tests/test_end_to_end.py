@@ -14,7 +14,7 @@ import report
 import speed
 import truth
 
-COST = 40.2
+COST = 34.2
 
 COMPARE = Path(programs.__file__).parent
 MAKE_SCENE = programs.ROOT / "examples" / "blender" / "suzanne" / "make_scene.py"
@@ -74,7 +74,7 @@ def test_povray_examples_shade_what_the_reference_says(scene, suzanne, tmp_path)
 
 
 def test_rotate_follows_the_displaced_plate(tmp_path):
-    done = run("truth.py", "--size", 192, "--samples", 128, "--quads", 500, "--map", 1024, "--output", tmp_path)
+    done = run("truth.py", "--size", 160, "--samples", 96, "--quads", 500, "--map", 1024, "--output", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     errors = json.loads((tmp_path / "truth.json").read_text())["errors"]
     assert errors["rotate"] <= 0.02
