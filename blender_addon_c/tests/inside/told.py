@@ -4,6 +4,7 @@
 import contextlib
 import math
 import os
+import struct
 import sys
 from types import SimpleNamespace as Of
 
@@ -1540,6 +1541,193 @@ def test_an_edited_draft_is_followed_once():
                 told.clear()
                 assert draft.follow() == 0.5 and told == ["swept", *wanted], (edited, told)
     assert bpy.app.timers.is_registered(draft.follow)
+
+
+def test_a_groove_is_added_where_the_mouse_is():
+    """Chosen alone, and it moves with the mouse; in shader trees of this file."""
+    common.empty_scene()
+    groove, tree, asked = module("groove"), common.tree_of(bpy.data.materials.new("steel")), []
+    before, place = list(tree.nodes), []
+    space = Of(tree_type="ShaderNodeTree", edit_tree=tree, cursor_location=(12, 34), cursor_location_from_region=lambda x, y: place.append((x, y)))
+    for node in before:
+        node.select = True
+    fake = Of(execute=lambda context: groove.LIBSHADE_OT_add_groove.execute(fake, context))
+    with replaced(groove, bpy=Of(data=bpy.data, ops=Of(node=Of(translate_attach_remove_on_cancel=asked.append)))):
+        assert groove.LIBSHADE_OT_add_groove.invoke(fake, Of(space_data=space), Of(mouse_region_x=5, mouse_region_y=6)) == {"FINISHED"}
+    new, = set(tree.nodes) - set(before)
+    assert place == [(5, 6)] and asked == ["INVOKE_DEFAULT"] and tuple(new.location) == (12, 34) and new.label == "Libshade Groove" == new.node_tree.name
+    assert tree.nodes.active == new and not any(node.select for node in before)
+    may = groove.LIBSHADE_OT_add_groove.poll
+    assert [may(Of(space_data=one)) for one in (space, Of(tree_type="ShaderNodeTree", edit_tree=None), Of(tree_type="GeometryNodeTree", edit_tree=tree), Of(),
+                                                Of(tree_type="ShaderNodeTree", edit_tree=Of(library="a.blend")))] == [True, False, False, False, False]
+
+
+def test_when_a_view_is_drawn_again():
+    """At once where there is something new, later where there will be, and not where all is done."""
+    engine, done = module("engine"), []
+    fake = Of(update_stats=lambda *said: done.append(said), tag_redraw=lambda: done.append("again"))
+    for more, news, wanted in ((True, True, "again"), (True, False, "watched"), (False, True, None), (False, False, None)):
+        done.clear()
+        fake._viewport = Of(draw=lambda *_which, more=more: ("a text", more), has_news=lambda news=news: news, scene_changed=done.append)
+        with replaced(engine, _watch=lambda one: done.append("watched" if one is fake else one)):
+            engine.LibshadeEngine.view_draw(fake, None, None)
+        assert done == [("libshade", "a text"), *([wanted] if wanted else [])], (more, news)
+        done.clear()
+        assert engine.LibshadeEngine.look(fake) == news and done == ["again"] * news
+    engine.LibshadeEngine.view_update(fake, None, "a depsgraph")
+    assert done[-1] == "a depsgraph"
+    made = Of(_viewport=None)
+    with replaced(engine, Viewport=lambda: Of(scene_changed=done.append)):
+        engine.LibshadeEngine.view_update(made, None, "of another")
+    assert done[-1] == "of another" and made._viewport
+    # a view that could not be drawn is not asked for again until it is another
+    viewport, view = module("viewport"), object()
+    shown = viewport.Viewport()
+
+    def fails(*_which):
+        raise module("export").SceneError("no camera")
+    shown._advance = fails
+    with replaced(viewport, _view_of=lambda *_which: view):
+        assert shown.draw(None, Of(space_data=None), Of(scene=common.empty_scene())) == ("no camera", False) and shown._view is view
+    module("report")._forget()
+    # how long a redraw waits: longer for the first picture after an edit, which most often is there then
+    waited, shown = [], viewport.Viewport()
+    shown._scene, shown._fetch = {"samples": 4}, lambda: None
+    native = Of(start=lambda *_given: "job", wait=lambda _job, seconds: waited.append(seconds), poll=lambda _job: {"state": "running", "stage": "build"}, look=lambda *_given: "job")
+    picture = viewport._picture(viewport._View((8, 6), Matrix.Identity(4), Matrix.Identity(4), (0.1, 9), (0, 0, 8, 6)), 2, 4)
+    with replaced(viewport, _native=native):
+        shown._make(picture, first=True)
+        shown._make(picture)
+    assert waited == [0.08, 0.02] and not shown._waiting
+
+
+def test_what_dumps_say_of_shadow_catchers():
+    scene = common.empty_scene(4, 4, 1)
+    common.camera(scene)
+    common.light(scene)
+    plate = common.plane()
+    held, words = os.environ.get("LIBSHADE_DUMP", ""), "a dump shows shadow catchers as they are"
+    try:
+        for catches, dump, said in ((True, "dump.exr", True), (False, "dump.exr", False), (True, "", False)):
+            plate.is_shadow_catcher, os.environ["LIBSHADE_DUMP"] = catches, dump and os.path.join(bpy.app.tempdir, dump)
+            bpy.ops.render.render()
+            assert ((words, False) in module("report").told(scene)) == said, (catches, dump, module("report").told(scene))
+    finally:
+        os.environ["LIBSHADE_DUMP"] = held
+
+
+def test_what_lies_in_a_file_of_an_image():
+    """Integers of 16 bits, in PNG and TIFF of either order; not floats, other widths, files that end too soon or are not read."""
+    images, path = module("export.image"), os.path.join(bpy.app.tempdir, "picture")
+
+    def tiff(order, bits, kind=None, mark=None):
+        rows = [(258, 3, 1, bits)] + ([(339, 3, 1, kind)] if kind else [])
+        body = struct.pack(order + "H", len(rows)) + b"".join(struct.pack(order + "HHI", *row[:3]) + struct.pack(order + "HH", row[3], 0) for row in rows)
+        return (mark or {"<": b"II*\0", ">": b"MM\0*"}[order]) + struct.pack(order + "I", 26) + bytes(18) + body + bytes(4)
+    png = lambda bits: b"\x89PNG\r\n\x1a\n" + bytes(16) + bytes([bits, 2])
+    for data, wanted in ((png(16), True), (png(8), False), (png(16)[:25], False), (b"\x89PNX" + png(16)[4:], False), (tiff("<", 16), True), (tiff(">", 16), True), (tiff("<", 8), False),
+                         (tiff("<", 16, 1), True), (tiff("<", 16, 3), False), (tiff(">", 32, 3), False), (tiff("<", 16)[:28], False), (tiff("<", 16, mark=b"II+\0"), False), (b"", False)):
+        with open(path, "wb") as file:
+            file.write(data)
+        with replaced(images, _absolute=lambda _image, where: where):
+            for on_disk in (True, False):
+                with replaced(images, _is_on_disk=lambda _image, on_disk=on_disk: on_disk):
+                    assert images._is_of_integers(Of(filepath=path)) == (wanted and on_disk), (data, on_disk)
+            os.remove(path)
+            with replaced(images, _is_on_disk=lambda _image: True):
+                assert images._is_of_integers(Of(filepath=path)) is False
+    assert [images._is_on_disk(Of(**{"packed_file": None, "is_dirty": False, "source": "FILE", **change})) for change in (
+        {}, {"packed_file": 1}, {"is_dirty": True}, {"source": "GENERATED"}, {"source": "MOVIE"})] == [True, False, False, False, True]
+    # of a movie what a texture of its own shows, which goes whatever happens
+    made, gone = Of(image=None, image_user=Of(frame_current=0), evaluate=lambda at: None), []
+    fake = Of(data=Of(textures=Of(new=lambda _name, kind: kind == "IMAGE" and made, remove=gone.append)))
+    with replaced(images, bpy=fake):
+        assert images.Images._movie(Of(_read=lambda image, owner: (image, owner)), "film", 7, "steel") == ("film", "steel")
+        assert (made.image, made.image_user.frame_current, gone) == ("film", 7, [made])
+        assert raised(images.Images._movie, Of(_read=lambda *_which: 1 / 0), "film", 7, "steel") and gone == [made, made]
+
+
+def test_tiles_as_one_image():
+    """As large as the largest, beside and above each other; where there is none it is pink; bytes and floats together are floats; one that is beyond
+    0 to 1 is enough."""
+    images = module("export.image")
+    bytes_ = {"width": 2, "height": 1, "channels": 3, "data": np.array([255, 0, 51, 0, 255, 102], np.uint8), "srgb": True, "wide": False, "straight": True}
+    floats = {"width": 2, "height": 1, "channels": 4, "data": np.float32([3, 0, 0, 0.5, 0, 3, 0, 1]), "srgb": True, "wide": True, "straight": False}
+    tiled = lambda *numbers: Of(name="map", source="TILED", filepath="a.<UDIM>.png", packed_files=(), tiles=[Of(number=number) for number in numbers])
+    with replaced(images, _absolute=lambda _image, path: path):
+        def whole(**files):
+            return images.Images._tiled(Of(_loaded=lambda _image, path, _owner, _packed: files.get("at" + path.split(".")[1]), _messages=None), tiled(1001, 1002, 1011), "m", True)
+        made = whole(at1001=bytes_, at1002=bytes_)
+        assert (made["width"], made["height"], made["channels"], made["data"].dtype, made["wide"], made["straight"], made["srgb"]) == (4, 2, 3, np.uint8, False, True, True)
+        rows = made["data"].reshape(2, 4, 3)
+        assert rows[0].tolist() == [[255, 0, 51], [0, 255, 102]] * 2 and (rows[1] == (255, 0, 255)).all()
+        made = whole(at1001=bytes_, at1011=floats)
+        assert made["channels"] == 4 and made["data"].dtype == np.float32 and made["wide"] is True and made["straight"] is True
+        rows = made["data"].reshape(2, 4, 4)
+        assert close(rows[0, :2], [[1, 0, 0.2, 1], [0, 1, 0.4, 1]]) and close(rows[1, :2], [[3, 0, 0, 0.5], [0, 3, 0, 1]]) and (rows[:, 2:] == (1, 0, 1, 1)).all()
+        assert whole() == images.MISSING
+
+
+def test_what_old_nodes_show_and_images_that_stay():
+    """A button that renews it, and the numbers that no socket says; images that others have go on when a node drops its own."""
+    common.empty_scene()
+    nodes, (_material, _tree, node) = module("nodes"), common.metal()
+
+    def shown():
+        drawn = []
+        type(node).draw_buttons(node, Of(object=None), Layout(drawn))
+        return drawn
+    with replaced(nodes, is_old=lambda _node: True):
+        assert shown() == ["libshade.metal_preset", "libshade.update_nodes"]
+        with replaced(nodes, SHAPE=("of", "before")):
+            for node.distribution, numbers in (("ASHIKHMIN_SHIRLEY", ["ex", "ey"]), ("GGX", ["ax", "ay"])):
+                assert shown() == ["libshade.metal_preset", "libshade.update_nodes", *numbers], shown()
+    images = module("scratches.images")
+    tree, other = bpy.data.node_groups.new("baked", "ShaderNodeTree"), bpy.data.node_groups.new("other", "ShaderNodeTree")
+    pictures = {name: bpy.data.images.new(name, 2, 2) for name in ("alone", "shared")}
+    for picture in pictures.values():
+        tree.nodes.new("ShaderNodeTexImage").image = picture
+    other.nodes.new("ShaderNodeTexImage").image = pictures["shared"]
+    baked = Of(node_tree=tree, baked="[1]")
+    images.drop(baked)
+    assert [name in bpy.data.images for name in ("alone", "shared")] == [False, True] and "baked" not in bpy.data.node_groups
+    assert module("scratches.tree").is_plain(baked.node_tree) and baked.baked == ""
+    images.drop(baked)
+    assert bpy.data.node_groups.get(baked.node_tree.name) == baked.node_tree  # nodes without images share one
+
+
+def test_whom_measuring_and_animation_ask():
+    """Objects that wear such cloth, but not those of other files; of an animated cloth its gaps and its size are those of the frame."""
+    scene = common.empty_scene()
+    size, tree = module("fabric.size"), module("fabric.tree")
+    wears, other = bpy.data.materials.new("wears"), bpy.data.materials.new("other")
+    thing = lambda **about: Of(**{"type": "MESH", "library": None, "material_slots": [Of(material=wears)], **about})
+    things = [thing(library="a.blend"), thing(material_slots=[Of(material=other), Of(material=None)], library="a.blend"), thing(type="CURVE", library="a.blend"),
+              thing(material_slots=[Of(material=other), Of(material=wears)], library="a.blend")]
+    with replaced(size, is_measured=lambda material: material == wears):
+        assert size.measure(Of(objects=things)) == (0, 2)
+        plate = common.plane(wears)
+        plate.data.uv_layers[0].data[0].uv = plate.data.uv_layers[0].data[0].uv  # as long as wide
+        assert size.measure(scene) == (1, 0) and close([plate["libshade_metres"], plate["libshade_metres_of_unit"]], (2, 1))
+    asked = []
+    with bare_cloth() as (_one, node), bare_cloth() as (_two, animated):
+        node.open_gaps, node.size_mode, animated.open_gaps, animated.size_mode = False, "LENGTH", True, "REPEATS"
+        fabric = module("fabric.node")
+        made = {"repeat": (2, 4), "per_unit": (1000, 2000)}
+        with replaced(tree, can_update=lambda _tree: True, is_stand_in=lambda _tree: False, update=lambda *given: asked.append(given[1:])), \
+                replaced(fabric, own_tree=lambda _node: None), replaced(fabric.maps, of=lambda _said: made, may_show=lambda _made: may[0]):
+            may = [True]
+            node.update_preview(0.5, animated)
+            node.update_preview(0.5)
+            assert [(real, unit, gaps) for _made, _name, real, unit, gaps in asked] == [(None, 0.5, True), (None, 0.5, False)], asked
+            animated.size_mode = "REAL"
+            asked.clear()
+            node.update_preview(0.5, animated)
+            assert asked[0][2:] == ("MAP", 0.5, True) and close(node.repeat_mm, (2, 2))  # millimetres of 2 in 1000 and of 4 in 2000
+            may[0] = False
+            asked.clear()
+            node.update_preview(0.5, animated)
+            assert asked == []
 
 
 def test_words_of_what_is_left_out():
