@@ -1730,6 +1730,135 @@ def test_whom_measuring_and_animation_ask():
             assert asked == []
 
 
+def test_eyes_beside_each_other():
+    """An eye's picture is the camera's moved aside by so much of its longest side, as wide and as high."""
+    scene = common.empty_scene()
+    camera, camera_of, told = common.camera(scene, (0, 0, 5)), module("export.camera").camera_of, module("export").Messages()
+    for size, aspect, longest in (((64, 48), (1, 1), 1.0), ((48, 64), (1, 1), 4 / 3), ((64, 64), (1, 2), 2.0)):
+        scene.render.pixel_aspect_x, scene.render.pixel_aspect_y = aspect
+        for own in (0.0, 0.125):
+            camera.data.shift_x = own
+            bpy.context.view_layer.update()
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            plain, there = camera_of(camera, depsgraph, size, told), Matrix.Translation((0.5, 0, 5))
+            seen = camera_of(camera, depsgraph, size, told, (there, own + 0.25))
+            left, right, *rest = plain["frame"]
+            assert close(seen["frame"], (left + 0.25 * longest * (right - left), right + 0.25 * longest * (right - left), *rest)), (size, aspect, own)
+            assert close(np.reshape(seen["matrix"], (4, 4)), there)
+            assert camera_of(camera, depsgraph, size, told, (camera.matrix_world, own)) == plain
+    # of another lens of the same shift Blender itself says so
+    scene.render.pixel_aspect_x = scene.render.pixel_aspect_y = 1
+    camera.data.shift_x = 0.375
+    bpy.context.view_layer.update()
+    assert close(camera_of(camera, bpy.context.evaluated_depsgraph_get(), (48, 64), told)["frame"][:2], np.add((-0.27, 0.27), 0.375 * 0.72))
+
+
+def test_whose_draft_is_imported():
+    """Of the node that the editor shows: its material, or the group that holds it; without one none is named."""
+    common.empty_scene()
+    invoke, group = module("fabric.draft").LIBSHADE_OT_import_wif.invoke, bpy.data.node_groups.new("inside", "ShaderNodeTree")
+    with bare_cloth() as (tree, node):
+        inner = group.nodes.new("LibshadeFabricNode")
+        material = next(m for m in bpy.data.materials if m.node_tree == tree)
+        for shown, wanted in ((node, (material.name, "", node.name)), (inner, ("", "inside", inner.name)), (None, ("", "", "")), (tree.nodes.new("ShaderNodeBump"), ("", "", ""))):
+            asked = Of(material="", group="", node="")
+            with contextlib.suppress(TypeError):  # a stand-in has no file browser
+                invoke(asked, Of(node=shown, active_node=None), None)
+            assert (asked.material, asked.group, asked.node) == wanted, wanted
+
+
+def test_words_of_images_that_cannot_be_read():
+    """By whose they are: a movie, a colour space and a file that Blender gives up on."""
+    images, said = module("export.image"), []
+    table = images.Images(Of(warning=said.append), 1)
+
+    def fails(*_which):
+        raise RuntimeError(" no way \n")
+    image = bpy.data.images.new("map", 2, 2)
+    there = os.path.join(bpy.app.tempdir, "there")
+    with open(there, "wb") as file:
+        file.write(b"x")
+    movie = Of(name="film", source="MOVIE", filepath=there, packed_file=None, is_dirty=False, size=(2, 2), library=None)
+    with replaced(images, on_main_thread=fails, _absolute=lambda _image, path: path):
+        assert table._fetch(movie, "material 'steel'", 3) == images.MISSING and said.pop() == "material 'steel': image 'film': no way"
+        assert table._loaded(image, there, "material 'steel'") is None and said.pop() == f"material 'steel': {there}: no way"
+        bytes_ = np.arange(12, dtype=np.uint8)
+        odd = Of(name="map", channels=3, colorspace_settings=Of(name="ACES"))
+        assert table._in_scene_light(odd, bytes_, "pages", "material 'steel'") == (bytes_, "pages", False)
+        assert said.pop() == "material 'steel': image 'map': colour space 'ACES' is read as Non-Color (no way)"
+    # else each colour becomes what Blender makes of it, and alpha stays
+    halved = lambda colors, space: np.stack([(colors >> 8 * (2 - k) & 255) / 510 for k in range(3)], 1).astype(np.float32)
+    with replaced(images, _converted=halved):
+        for channels, data, wanted in ((3, [10, 20, 30, 250, 0, 255], [10, 20, 30, 250, 0, 255]), (4, [10, 20, 30, 51], [10, 20, 30, 102]), (1, [7, 9], [7, 9]), (2, [7, 51], [7, 102])):
+            found, _pages, wide = table._in_scene_light(Of(name="map", channels=channels, colorspace_settings=Of(name="ACES")), np.array(data, np.uint8), None, "m")
+            assert close(found, np.divide(wanted, 510)) and not wide, channels
+    with replaced(images, _converted=lambda colors, _space: np.full((len(colors), 3), 1.5, np.float32)):
+        assert table._in_scene_light(odd, bytes_, None, "m")[2]
+    bpy.data.images.remove(image)
+
+
+def test_what_coordinates_of_cloth_count():
+    """Units of the world's space or the object's, wherever in what feeds Vector they come from; else those of the map. So do our engine and Cycles."""
+    common.empty_scene()
+    size, cloth = module("fabric.size"), module("export.cloth")
+    with bare_cloth() as (tree, node):
+        geometry, place, mapping, mix, turn = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "TexCoord", "Mapping", "VectorMath", "VectorRotate"))
+        node.size_mode = "REAL"
+        tree.links.new(mapping.outputs[0], node.inputs["Vector"])
+        tree.links.new(mix.outputs[0], mapping.inputs["Vector"])
+        tree.links.new(turn.outputs[0], mix.inputs[1])
+        for source, wanted in ((geometry.outputs["Position"], "WORLD"), (geometry.outputs["Normal"], "MAP"), (place.outputs["Object"], "OBJECT"), (place.outputs["UV"], "MAP")):
+            for to in (turn.inputs["Vector"], mix.inputs[0], node.inputs["Vector"]):
+                link = tree.links.new(source, to)
+                assert size.space_of(node) == cloth._space(node.inputs["Vector"], (), set()) == wanted, (source.name, to.node.name)
+                assert size.space_of(node, "LENGTH") is None and size.space_of(node, "REPEATS") is None
+                tree.links.remove(link)
+                if to.node == node:
+                    tree.links.new(mapping.outputs[0], node.inputs["Vector"])
+        assert size.space_of(node) == "MAP"
+        node.size_mode = "LENGTH"
+        assert size.space_of(node) is None and size.space_of(node, "REAL") == "MAP"
+        asked = []
+        reader = Of(unit_of_length=lambda: 0.25, measures=lambda: asked.append("measured"))
+        with replaced(cloth, of_object=lambda _reader, what: (7, 8) if what == "METRES" else None):
+            for space, wanted, measured in (("WORLD", 0.25, []), ("MAP", 7, ["measured"]), ("OBJECT", 8, ["measured"])):
+                asked.clear()
+                with replaced(cloth, _space=lambda *_which, space=space: space):
+                    assert cloth._metres(reader, node, ()) == wanted and asked == measured, space
+            assert cloth._metres(reader, Of(inputs={}), ()) == 7
+        # where its place differs a step on, along u and along v, it is read there as well
+        steps = []
+        reader = Of(shift=None, is_main=steps.append)
+        with replaced(cloth, place=lambda reader, *_which: steps.append(reader.shift) or (1, 2, 3)):
+            assert cloth._vector(reader, node, ()) == [1, 2] * 3 and steps == [None, (cloth._STEP, 0), (0, cloth._STEP)] and reader.shift is None
+        with replaced(cloth, place=lambda *_which: None):
+            assert cloth._vector(reader, node, ()) is None and cloth._vector(reader, Of(inputs={}), ()) is None and steps[-1] == ""
+
+
+def test_a_number_of_an_older_cloth_is_edited():
+    """Its other numbers become those of its preset, but not that one. How much weft shows is by its weave, or its draft where that is one."""
+    common.empty_scene()
+    yarns = module("fabric.yarns")
+    with bare_cloth() as (_tree, node), bare_cloth() as (_other, fresh):
+        node.preset = fresh.preset = "DENIM"
+        node.weft_width, node.warp_gap = 0.123, 0.456
+        node.preset, node.based_on = "DENIM", ""
+        node.warp_gap = 0.3
+        assert (node.preset, node.based_on) == ("CUSTOM", "DENIM") and close(node.warp_gap, 0.3)
+        assert all(close(getattr(node, f"{yarn}_{word}"), getattr(fresh, f"{yarn}_{word}")) for yarn in yarns.YARNS for word in yarns.numbers() if (yarn, word) != ("warp", "gap"))
+        node.warp_gap = 0.2  # and from then on as of any other
+        assert close(node.warp_gap, 0.2) and yarns._filling == [False]
+        text = bpy.data.texts.new("plain.wif")
+        text.write(WIF)
+        node.weave, node.draft = "DRAFT", text
+        assert close(yarns.weft_share(node), 0.5)
+        text.write("no draft [")
+        text.clear()
+        assert close(yarns.weft_share(node), yarns.weft_share(fresh))  # of one that cannot be read: as its preset
+        for node.weave, share in (("PLAIN", 1 / 2), ("TWILL_3_1", 1 / 4), ("TWILL_1_2", 2 / 3), ("SATIN_8", 1 / 8), ("SATEEN_5", 4 / 5), ("BASKET", 1 / 2)):
+            assert close(yarns.weft_share(node), share), node.weave
+
+
 def test_words_of_what_is_left_out():
     """Each begins with whose it is, and ends in what is shown in its place."""
     said, part = [], lambda name: module(f"export.{name}")
