@@ -157,8 +157,9 @@ def test_kinds_of_lights(render, shade_check, light):
 
 
 def test_full_area_light_shades_but_is_left_out(render):
-    result = render(scene(textured("sphere"), "light_source { <3, 4, -6>, rgb 1 area_light 2*x, 2*y, 4, 4 area_illumination }"))
-    assert "light 0 has area_illumination" in result.message
+    lights = "".join(f"light_source {{ <3, 4, -6>, rgb {c} area_light 2*x, 2*y, 4, 4 {words} }}\n" for c, words in ((0, ""), (1, "area_illumination")))
+    result = render(scene(textured("sphere"), lights))
+    assert "light 1 has area_illumination" in result.message and result.message.count("has area_illumination") == 1
     assert result.image.max() > .1
     assert result.dump.S.max() == 0 and result.dump.E.max() == 0
 

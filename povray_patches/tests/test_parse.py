@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from conftest import ROOT
 from scenes import HEADER, SUN, saddle, scene
 
-COST = 15.7
+COST = 16.2
 
 WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, multiscatter, tangent, "
          "specular, roughness, bump_image, reflection, preset, fabric, scratches, notes, slopes or }")
@@ -244,17 +245,13 @@ def test_errors_name_line_and_expectation(render, tmp_path, block, message):
 
 @pytest.mark.parametrize("block, hint", [
     ("diffuse .5", "; a block's diffuse part is a model and a colour, as in diffuse lambert rgb .3; POV-Ray's own diffuse stands in finish"),
-    ("fresnel on", "on found instead; as in fresnel schlick."), ("normal { bumps .2 }", "'normal' stands in the texture, beside finish { }, and moves"),
-    ("metallic", "the metal's colour follows specular."), ("ambient 0", "'ambient' stands in finish { }, beside mdf { }."),
-    ("rgb <.9, .7, .4>", "specular rgb <.9, .7, .4>."), ("rotate 30*y", "'rotate' stands in the texture, beside finish { }."),
-    ("occlusion sky", "'occlusion' belongs in fabric { }."), ("warp { }", "'warp' belongs in fabric { }."), ("crimp .2", "'crimp' belongs in warp { }, weft { } or yarns { }"),
-    ("samples 4", "'samples' belongs in reflection { }."), ("fabric { crimp .2 }", "'crimp' belongs in warp { }, weft { } or yarns { }"),
-    ("fabric { warp { crossings 3 } }", "'crossings' belongs in fabric { }."), ("fabric { tangent x }", "'tangent' belongs in mdf { } itself."),
-    ("preset \"brushed_steel\" mm_per_unit 300", "'mm_per_unit' belongs in fabric { } or scratches { }."), ("fabric { warp { seed 3 } }", "'seed' belongs in fabric { }."),
+    ("metallic", "the metal's colour follows specular."), ("normal { bumps .2 }", "'normal' stands in the texture, beside finish { }, and moves"),
+    ("occlusion sky", "'occlusion' belongs in fabric { }."), ("fabric { crimp .2 }", "'crimp' belongs in warp { }, weft { } or yarns { }"),
+    ("preset \"brushed_steel\" mm_per_unit 300", "'mm_per_unit' belongs in fabric { } or scratches { }."),
     ("crosings 3", "did you mean 'crossings', which belongs in fabric { }?"), ("detail crossings", "'crossings' belongs in fabric { }."),
-    ("ashik 3, 4", "did you mean 'ashikhmin_shirley'?"), ("gxg .1, .2", "did you mean 'ggx'?"), ("at y", "'at' follows tangent radial <axis>."),
+    ("ashik 3, 4", "did you mean 'ashikhmin_shirley'?"), ("at y", "'at' follows tangent radial <axis>."),
     ("stretgh 3", "did you mean 'stretch', which belongs in layer { } of scratches { }?"),  # nearer than the strength of bump_image { }
-    ("scratches { pits 3 }", "'pits' belongs in layer { } of scratches { }."), ("schlick", "'schlick' follows fresnel."), ("ior 1.5", "follows fresnel conductor.")])
+    ("scratches { pits 3 }", "'pits' belongs in layer { } of scratches { }."), ("schlick", "'schlick' follows fresnel.")])
 def test_an_error_tells_where_a_word_belongs(render, block, hint):
     result = render(scene(sphere(block)), (8, 8), fails=True)
     assert result.status == 1 and hint in result.message, result.message
@@ -561,6 +558,86 @@ def test_the_list_for_editors_is_what_the_parser_takes(povray, render):
     for form, status, stream in (([], 2, "usage: words text | vim"), (["html"], 2, "usage: "), (["vim"], 0, "")):
         done = subprocess.run([Path(povray).parent / "editor/words", *form], text=True, capture_output=True)
         assert done.returncode == status and done.stderr.startswith(stream) and bool(done.stdout) == (status == 0)
+
+
+# What a message says of words, asked of its own source: calls, words and what comes of them, a line each
+ASKS = r"""
+#include <iostream>
+#include <sstream>
+#include "backend/mdf/words.h"
+using namespace mdf;
+static const char *const names[] = {"none", "mdf", "tangent", "radial", "bump_image", "reflection", "fabric", "warp", "occlusion", "scratches", "layer"};
+static WordSet set_of(const std::string &name) {
+  for (int k = 0; k < (int)WORDS_LIST; k++)
+    if (name == names[k])
+      return (WordSet)k;
+  for (int k = 0; k < SHADE_LIST_COUNT; k++)
+    if (name == shade_list_name((shade_list)k))
+      return words_of_list((shade_list)k);
+  return WORDS_NONE;
+}
+int main() {
+  std::string line, call, place, text, after;
+  while (std::getline(std::cin, line)) {
+    std::istringstream in(line);
+    std::getline(in, call, '\t'), std::getline(in, place, '\t'), std::getline(in, text, '\t'), std::getline(in, after, '\t');
+    const WordSet set = set_of(place);
+    std::cout << (call == "hint" ? hint_for(set, text, in ? after : "") : call == "misspelt" ? hint_for_misspelt(set, text) :
+                  call == "nearest" ? nearest_word(set, text) : call == "outside" ? hint_outside(text) :
+                  call == "name" ? nearest_name(words_in(set), text) : plain_token(text)) << "\n";
+    after.clear();
+  }
+}
+"""
+BESIDE, FINISH, NUMBERS, NONE = "stands in the texture, beside finish { }", "stands in finish { }, beside mdf { }", "is none of the block's words: a distribution's name with its numbers", ""
+SAID = [
+    *(("hint", "mdf", word, f"'{word}' {BESIDE}") for word in ("pigment", "texture", "finish", "rotate", "translate", "scale", "matrix", "transform", "turbulence")),
+    *(("hint", "mdf", word, f"'{word}' {BESIDE}, and moves the block's highlight too") for word in ("normal", "bump_map", "slope_map")),
+    *(("hint", "mdf", word, f"'{word}' {FINISH}") for word in ("ambient", "emission", "phong", "phong_size", "brilliance", "irid", "conserve_energy", "crand", "subsurface")),
+    *(("hint", "mdf", word, f"'{word}' begins a colour, which follows the word that it is of") for word in ("rgb", "rgbf", "rgbt", "rgbft", "srgb", "color", "colour", "red", "green", "blue")),
+    *(("hint", "mdf", word, f"'{word}' is none of the block's words: two exponents follow ashikhmin_shirley") for word in ("exponent", "exponents", "nu", "nv")),
+    *(("hint", "mdf", word, f"'{word}' {NUMBERS}") for word in ("alpha", "alphas", "type", "distribution", "anisotropy", "anisotropic", "mdf")),
+    *(("hint", "mdf", word, f"'{word}' stands in the object's interior") for word in ("ior", "interior")), ("hint", "mdf", "metallic", "'metallic' is what a block is without it"),
+    ("hint", "mdf", "warp", "'warp' belongs in fabric { }"), ("hint", "warp", "warp", f"'warp' {BESIDE}"), ("hint", "mdf", "nothing", NONE), ("hint", "mdf", "", NONE), ("hint", "mdf", "am", NONE),
+    *(("hint", "bump_image", word, "a picture of another format is to be converted first") for word in ("jpeg", "tiff", "gif", "tga", "iff", "ppm", "pgm", "sys", "hdr")),
+    ("hint", "mdf", "jpeg", NONE), ("hint", "bump_image", "jpe", NONE),
+    *(("hint", place, "linen", "a preset's name stands in quotes after preset: preset \"linen\"") for place in ("mdf", "fabric", "scratches")), ("hint", "warp", "linen", NONE),
+    *(("hint", place, "string literal", "a preset's name follows preset") for place in ("mdf", "fabric", "scratches")),
+    ("hint", "bump_image", "string literal", "a file's name follows png or exr"), ("hint", "warp", "string literal", NONE),
+    *(("hint", "mdf", f"{what} identifier", "what a finish begins with stands before its block") for what in ("finish", "texture")), ("hint", "mdf", "pigment identifier", NONE),
+    *(("hint", "mdf", found, "'ggx' takes no more than what stands before that", "ggx") for found in ("float constant", "vector identifier", "color identifier", "<", ",")),
+    ("hint", "mdf", "{", "'notes' takes no braces", "notes"), ("hint", "mdf", "float constant", NONE), ("hint", "mdf", "floating", NONE, "ggx"),
+    ("hint", "diffuse", "float constant", "a block's diffuse part is a model and a colour"), ("hint", "fresnel", "on", "as in fresnel schlick"), ("hint", "detail", "rgb", NONE),
+    *(("hint", place, word, f"'{word}' {where}") for place, word, where in (
+        ("fabric", "tangent", "belongs in mdf { } itself"), ("mdf", "crossings", "belongs in fabric { }"), ("layer", "crimp", "belongs in warp { }, weft { } or yarns { } of fabric { }"),
+        ("layer", "tile_mm", "belongs in scratches { }"), ("mdf", "pits", "belongs in layer { } of scratches { }"), ("mdf", "strength", "belongs in bump_image { }"),
+        ("mdf", "clamp", "belongs in reflection { }"), ("mdf", "at", "follows tangent radial <axis>"), ("mdf", "uv", "follows tangent"), ("mdf", "schlick", "follows fresnel"),
+        ("mdf", "microfacet", "follows brdf"), ("mdf", "lambert", "follows diffuse"), ("mdf", "seed", "belongs in fabric { } or scratches { }"), ("warp", "seed", "belongs in fabric { }"),
+        ("layer", "seed", "belongs in scratches { }"), ("fabric", "width", "belongs in warp { }, weft { } or yarns { } of fabric { }"), ("reflection", "preset", "belongs in mdf { } itself"),
+        ("scratches", "radius", "belongs in layer { } of scratches { }"), ("tangent", "clamp", "belongs in reflection { }"))),
+    ("nearest", "mdf", "GGX", "ggx"), ("nearest", "mdf", "xgg", NONE), ("nearest", "mdf", "gg", "ggx"), ("nearest", "mdf", "fresn", "fresnel"), ("nearest", "mdf", "refection", "reflection"),
+    ("nearest", "mdf", "relfection", "reflection"), ("nearest", "mdf", "reflecction", "reflection"), ("nearest", "mdf", "reflextiom", "reflection"), ("nearest", "mdf", "rxflextiom", "reflection"),
+    ("nearest", "mdf", "rxfxextiom", NONE), ("nearest", "mdf", "x", NONE), ("nearest", "mdf", "fab", "fabric"), ("nearest", "mdf", "fa", NONE), ("nearest", "mdf", "multi", "multiscatter"),
+    ("nearest", "mdf", "axhixhmix_shirley", "ashikhmin_shirley"), ("nearest", "mdf", "axhixhmix_xhirley", NONE), ("nearest", "mdf", "ashikhmin" + 32 * "x", NONE), ("nearest", "mdf", "", NONE),
+    ("name", "reflection", "sample", ' Did you mean "samples"?'), ("name", "reflection", "zzz", NONE),
+    ("misspelt", "mdf", "crosings", "did you mean 'crossings', which belongs in fabric { }?"), ("misspelt", "mdf", "zzzzz", NONE), ("misspelt", "fabric", "tangnt", "did you mean 'tangent', which belongs in mdf { } itself?"),
+    ("outside", "none", "mdf", "'mdf' stands in finish { }."), ("outside", "none", "mfd", "did you mean 'mdf'?"), ("outside", "none", "pits", "a word of that name stands in mdf { } of a finish."),
+    ("outside", "none", "at", NONE), ("outside", "none", "sphere", NONE), ("outside", "none", "schlick", NONE),
+    ("token", "none", ", ", "a comma"), ("token", "none", ",", "a comma"), ("token", "none", "string literal", "a text in quotes"), ("token", "none", "float constant", "a number"),
+    ("token", "none", "End of File", "the end of the file"), ("token", "none", "sphere", "sphere")]
+
+
+def test_what_is_said_of_words(tmp_path):
+    """Hints begin as here; what is nearest, and where a word belongs, is said whole."""
+    (tmp_path / "asks.cpp").write_text(ASKS)
+    (tmp_path / "backend").mkdir()
+    (tmp_path / "backend/mdf").symlink_to(ROOT / "povray_patches/glue")
+    subprocess.run(["g++", "-O0", f"-I{tmp_path}", f"-I{ROOT}/libshade/include", tmp_path / "asks.cpp", tmp_path / "backend/mdf/words.cpp", ROOT / "build/libshade.a",
+                    "-lm", "-lpthread", "-o", tmp_path / "asks"], check=True)
+    found = subprocess.run([tmp_path / "asks"], input="".join("\t".join((*row[:3], *row[4:])) + "\n" for row in SAID), capture_output=True, text=True, check=True).stdout.split("\n")
+    assert len(found) == len(SAID) + 1
+    wrong = [(row, text) for row, text in zip(SAID, found) if not text.startswith(row[3]) or bool(text) != bool(row[3]) or (row[0] in ("nearest", "name", "token") or " belongs in " in row[3]) and text != row[3]]
+    assert not wrong, wrong
 
 
 def test_a_block_is_taken_off(render):
