@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes in files and shade-render, without Blender: the module's pixels, options, files that are broken."""
 
+import os
 import signal
 import subprocess
 import time
@@ -110,7 +111,8 @@ def test_ctrl_c_leaves_no_file(tmp_path):
     short, long = (scene(width=400, height=400, samples=samples) for samples in (1, 65536))
     scene_file.write(path, "L", [(short, [COMBINED]), (long, [("Long", "RGBA", "", 1.0)])])
     going = subprocess.Popen([TOOL, path, "-o", tmp_path / "x.exr", "--progress", "--threads", "1"], stderr=subprocess.PIPE, text=True)
-    quiet = subprocess.Popen([TOOL, path, "-o", tmp_path / "y.exr", "--threads", "1"], stderr=subprocess.PIPE, text=True)
+    screen = os.openpty()  # what is told goes elsewhere
+    quiet = subprocess.Popen([TOOL, path, "-o", tmp_path / "y.exr", "--threads", "1"], stdout=screen[1], stderr=subprocess.PIPE, text=True)
     assert going.stderr.readline().split()[1:] == ["50", "%"]  # after two seconds
     asked = time.monotonic()
     going.send_signal(signal.SIGINT)
@@ -118,6 +120,8 @@ def test_ctrl_c_leaves_no_file(tmp_path):
     assert quiet.poll() is None  # it has as much to do, and where no terminal is says nothing
     quiet.send_signal(signal.SIGINT)
     assert quiet.communicate(timeout=60)[1] == "" and quiet.returncode == 130
+    for end in screen:
+        os.close(end)
     assert [file.name for file in tmp_path.iterdir()] == ["s.shscene"]
 
 
@@ -193,6 +197,15 @@ def test_a_broken_file_is_told_by_its_key(tmp_path, path, change, said):
     put_parts(path, header, arrays)
     done = run(path, "-o", tmp_path / "x.exr")
     assert done.returncode == 1 and f"shade-render: {path}: {said}" in done.stderr and not (tmp_path / "x.exr").exists(), done.stderr
+
+
+def test_the_last_register_may_be_read(tmp_path, path):
+    header, arrays = parts_of(path)
+    header["pictures"][0]["scene"]["materials"][0].update(weight=[True, 0, [255]], nodes=[
+        {"type": "MATH", "operation": "ADD", "a": [0.5], "b": [0.5], "c": [0], "out": [[255]]}])
+    put_parts(path, header, arrays)
+    found = made(tmp_path, path)
+    assert (found["L.Combined.G"] == 0).all() and found["L.Combined.R"].all() and found["L.Combined.B"].all()
 
 
 def test_a_file_that_ends_in_its_header_is_told(tmp_path, path):
