@@ -28,7 +28,7 @@ from native_scenes import (
     vectors,
 )
 
-COST = 0.9
+COST = 1.2
 
 SHADE = ROOT / "build/shade"
 PIXELS = np.zeros((2, 2, 4), np.float32)

@@ -11,7 +11,7 @@ import pytest
 
 from native_scenes import ROOT, area, dump, material, native, ortho, point, render, scene, spot, sun, unit, vectors
 
-COST = 1.25
+COST = 1.4
 
 TYPES = native.table()["lights"]
 

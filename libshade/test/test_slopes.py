@@ -171,8 +171,7 @@ def test_bad_files(tmp_path):
     data = good.read_bytes()
     files = {
         "missing.exr": None, "empty.exr": b"", "text.png": b"not a picture\n" * 50,
-        "cut.exr": data[: len(data) // 2], "header.exr": data[:40], "name.xyz": data[:100],
-        "noise.exr": data[:60] + os.urandom(400),
+        "cut.exr": data[: len(data) // 2], "name.xyz": data[:100],
     }
     for name, content in files.items():
         if content is not None:
@@ -186,6 +185,18 @@ def test_bad_files(tmp_path):
     grey = write(tmp_path / "grey.png", normals()[..., :1], "uint8")
     result = run(grey, text="0.5 0.5\n")
     assert result.returncode == 1 and "2 channels or more, found 1" in result.stderr
+    for name, width, height in (("wide.exr", 65537, 1),):
+        result = run(write(tmp_path / name, np.zeros((height, width, 3)), "half"), text="0.5 0.5\n")
+        assert result.returncode == 1 and result.stderr.endswith(f"cannot read: expected 1 to 65536 texels a side and 2^30 at most, found {width} x {height}\n"), result.stderr
+    spec = oiio.ImageSpec(2, 2, 3, "float")
+    spec.deep = True
+    deep = oiio.ImageOutput.create(str(tmp_path / "deep.exr"))
+    texels = oiio.DeepData()
+    texels.init(spec)
+    assert deep.open(str(tmp_path / "deep.exr"), spec) and deep.write_deep_image(texels)
+    deep.close()
+    result = run(tmp_path / "deep.exr", text="0.5 0.5\n")
+    assert result.returncode == 1 and result.stderr.endswith("cannot read: expected a flat picture, not a deep or solid one\n"), result.stderr
 
 
 def test_texels_that_are_no_normals_are_told(tmp_path):
@@ -216,3 +227,11 @@ def test_without_the_module(tmp_path):
     result = run(picture, shade=alone)
     assert result.returncode == 1
     assert "libopenimageio-dev" in result.stderr and "a.exr" in result.stderr
+    (tmp_path / "shade_image_oiio.so").write_text("no module")
+    result = run(picture, shade=alone)
+    assert result.returncode == 1 and f"{picture}: cannot load the reader of pictures: " in result.stderr, result.stderr
+    (tmp_path / "bin").mkdir()  # as installed
+    shutil.move(alone, tmp_path / "bin/shade")
+    (tmp_path / "libexec/shade").mkdir(parents=True)
+    shutil.move(tmp_path / "shade_image_oiio.so", tmp_path / "libexec/shade/shade_image_oiio.so")
+    assert "cannot load the reader of pictures" in run(picture, shade=tmp_path / "bin/shade").stderr

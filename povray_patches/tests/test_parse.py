@@ -10,7 +10,7 @@ import pytest
 from conftest import ROOT
 from scenes import HEADER, SUN, saddle, scene
 
-COST = 16.2
+COST = 15.4
 
 WORDS = ("ashikhmin_shirley, ward, ward_half, beckmann, ggx, brdf, detail, groove, fresnel, diffuse, horizon, multiscatter, tangent, "
          "specular, roughness, bump_image, reflection, preset, fabric, scratches, notes, slopes or }")
@@ -185,9 +185,7 @@ sphere { y, .5 pigment { rgb 1 } }
     ("200, 10", f"Expected '{WORDS}'"),
     ("Ashikhmin_Shirley 1, 1", f"Expected '{WORDS}', 'Ashikhmin_Shirley' found instead; did you mean 'ashikhmin_shirley'?"),
     ("detail rotated", f"Expected '{DETAILS}', 'rotated' found instead; did you mean 'rotate'?"),
-    ("detial rotate", "did you mean 'detail'?"), ("horizon estevz", "did you mean 'estevez'?"), ("tangent vu", "did you mean 'uv'?"),
-    ("fresnl none", "did you mean 'fresnel'?"), ("reflection .5", "mdf: expected '{', 'on' or 'off' after 'reflection', but found a number."),
-    ("diffuse fiber .5", "did you mean 'fibre'?"), ("detail grad_schmidt", "did you mean 'gram_schmidt'?"),
+    ("detial rotate", "did you mean 'detail'?"), ("reflection .5", "mdf: expected '{', 'on' or 'off' after 'reflection', but found a number."),
     ("detail", f"Expected '{DETAILS}', }} found instead"),
     ("groove 1", "Expected 'auto, x or y'"),
     ("fresnel 1", "Expected 'none, schlick, f82 or conductor'"),
@@ -280,14 +278,13 @@ def test_an_error_tells_where_a_word_belongs(render, block, hint):
     ("bump_image { png a.png }", "mdf: expected the name of a file, in quotes, after 'png', but found 'a'."),
     ("fabric { shadows yes }", "mdf: expected 'on' or 'off' after 'shadows', but found yes."), ("notes \"on\"", "'on' or 'off' after 'notes', but found a text in quotes."),
     ("bump_image { filter 2 }", "after 'filter', but found a number."), ("tangent \"x\"", "Expected 'uv, radial or a vector', a text in quotes found instead"),
-    ("tangent uv uv", "undeclared identifier 'uv' found instead; 'uv' follows tangent."), ("brdf ggx", "undeclared identifier 'ggx' found instead; 'ggx' belongs in mdf { } itself."),
-    ("exponent 10", "exponent found instead; 'exponent' is none of the block's words: two exponents follow ashikhmin_shirley"),
+    ("tangent uv uv", "undeclared identifier 'uv' found instead; 'uv' follows tangent."),
     ("ggx (.1, .2)", "; mdf: ggx: alpha along needs a number."), ("roughness (0.3", "; mdf: roughness needs a number."),
     ("specular rgb", "; mdf: specular needs a colour."), ("specular color", "mdf: specular needs a colour, } found instead."), ("tangent <1, 0", "; mdf: tangent needs uv, radial or a vector, as x."),
     ("fabric { crossings <400, }", "; mdf: crossings needs a number or <of u, of v>."),
     ("bump_image { png concat(\"a\", ) }", "; mdf: png needs the name of a file, in quotes."),
     ("#declare F = finish { } F", "finish identifier found instead; what a finish begins with stands before its block: finish { NAME mdf { } }"),
-    ("alpha .1", "as in ggx .1, .3."), ("anisotropic .5", "as in ggx .1, .3."), ("mdf { }", "mdf found instead; 'mdf' is none of the block's words")])
+    ("alpha .1", "as in ggx .1, .3.")])
 def test_mistakes_are_named(render, block, said):
     text = scene(sphere(f"\n{block}\n"))
     result = render(text, (8, 8), fails=True)
@@ -615,6 +612,8 @@ SAID = [
         ("mdf", "microfacet", "follows brdf"), ("mdf", "lambert", "follows diffuse"), ("mdf", "seed", "belongs in fabric { } or scratches { }"), ("warp", "seed", "belongs in fabric { }"),
         ("layer", "seed", "belongs in scratches { }"), ("fabric", "width", "belongs in warp { }, weft { } or yarns { } of fabric { }"), ("reflection", "preset", "belongs in mdf { } itself"),
         ("scratches", "radius", "belongs in layer { } of scratches { }"), ("tangent", "clamp", "belongs in reflection { }"))),
+    ("hint", "brdf", "ggx", "'ggx' belongs in mdf { } itself"), ("nearest", "horizon", "estevz", "estevez"), ("nearest", "tangent", "vu", "uv"),
+    ("nearest", "diffuse", "fiber", "fibre"), ("nearest", "detail", "grad_schmidt", "gram_schmidt"), ("nearest", "mdf", "fresnl", "fresnel"),
     ("nearest", "mdf", "GGX", "ggx"), ("nearest", "mdf", "xgg", NONE), ("nearest", "mdf", "gg", "ggx"), ("nearest", "mdf", "fresn", "fresnel"), ("nearest", "mdf", "refection", "reflection"),
     ("nearest", "mdf", "relfection", "reflection"), ("nearest", "mdf", "reflecction", "reflection"), ("nearest", "mdf", "reflextiom", "reflection"), ("nearest", "mdf", "rxflextiom", "reflection"),
     ("nearest", "mdf", "rxfxextiom", NONE), ("nearest", "mdf", "x", NONE), ("nearest", "mdf", "fab", "fabric"), ("nearest", "mdf", "fa", NONE), ("nearest", "mdf", "multi", "multiscatter"),
