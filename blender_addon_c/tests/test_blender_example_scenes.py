@@ -23,7 +23,7 @@ import pytest
 
 from blender_runs import ROOT
 
-COST = 10.4
+COST = 12.4
 
 WORDS = {"jacket-near-cycles-7": "near cycles 7"}
 SKY_LINKS = ["Background.Background MixShader.Shader", "Background.Background MixShader.Shader", "LightPath.Is Camera Ray MixShader.Factor",

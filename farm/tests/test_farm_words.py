@@ -32,7 +32,7 @@ import renderers  # noqa: E402
 from engines import local, slurm  # noqa: E402
 from renderers import blender, commands, povray, saved  # noqa: E402
 
-COST = 1
+COST = 1.2
 
 spec = importlib.util.spec_from_file_location("farm_main", ROOT / "farm/__main__.py")
 main = importlib.util.module_from_spec(spec)
