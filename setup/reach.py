@@ -30,7 +30,8 @@ BUILT = ((r"build/shade\b|BUILD / .shade.|\bSHADE\b", r"libshade/tool/[^/]*\.c$"
          (r"libshade\.so|\bimport shade\b", r"libshade/src/[^/]*\.c$"), (r"BUILD / .horizon.", r"compare/horizon\.c$"),
          (r'ROOT / "farm"', r"farm/(?!tests/).*\.py$"), (r"\bdisplacement\b", r"compare/displaced/.*\.c$"), (r"\bsteep_bumps\b", r"compare/bumps/.*\.c$"),
          (r"\breport_page\b", r"compare/(study_\w+\.py|plain\.c)$"), (r"\bmake(_scene|\b.*-C\b)|[\"']make[\"']", r"(Makefile|.*\.mk)$"),
-         (r"make_scene|\bexamples/blender\b", r"examples/blender/.*\.py$"), (r"\bpip\b", r"libshade/python/setup\.py$"))
+         (r"make_scene|\bexamples/blender\b", r"examples/blender/.*\.py$"), (r"\bpip\b", r"libshade/python/setup\.py$"),
+         (r"programs\.HERE / .bumps", r"compare/((displaced/surface|bumps/field)\.[ch]|horizon\.c)$"))
 # What no text names, and which stands for it: POV-Ray's own files, as the patches leave them, and what lies beside them.
 STANDS_FOR = ((r"build/povray/src/|povray_patches/(.*\.patch$|include/|build\.sh$)", "povray_patches/series"),)
 
@@ -65,6 +66,8 @@ def needs(file):
                 for place in (folder, *PACKAGES):
                     path = place + name.replace(".", "/")
                     found |= _there(f"{path}.py") | _there(f"{path}/__init__.py")
+        for names in re.findall(r"fake_blender\.imported\(([^)]*)\)|\bread\((\"\w+\")\)", text):  # scripts of Blender's or Mitsuba's, read without them
+            found |= {there for name in re.findall(r"\w+", " ".join(names)) for there in _there(f"compare/{name}.py")}
         for name in re.findall(r"[\"']([\w/-]+\.(?:py|sh|mk))[\"']", text):  # scripts that are started
             for place in (folder, f"{folder}inside/", "", "setup/", folder.rstrip("/").rpartition("/")[0] + "/"):
                 found |= _there(place + name)
