@@ -102,6 +102,9 @@ def test_lights_add_up_and_samples_are_a_finer_picture(tmp_path):
     for lights in (1, 2, 4):
         seen, rows = picture(tmp_path, *wide, "--slope", 0, "--size", 2, "--lights", lights)
         assert seen == pytest.approx(np.full((2, 6), sum(each[:lights])), rel=1e-6) and rows[0]["truth"] == pytest.approx(sum(each[:lights]), rel=1e-6)
+    tilted = plate_slopes(0.3, 12)  # which shade nothing, and of which each sun sees another side
+    seen, _rows = picture(tmp_path, "--first", 20, "--second", 20, "--methods", "none", "--slope", 0.3, "--size", 12, "--lights", 4)
+    assert seen[:, :12] == pytest.approx(sum(slopes.shaded("ashikhmin_shirley", 20, 20, tilted, sun, UP) for sun in suns), rel=1e-5)
     for base in ("plate", "sphere"):
         fine, rows = picture(tmp_path, *wide, "--base", base, "--slope", 0.7, "--size", 16, "--lights", 2)
         coarse, _rows = picture(tmp_path, *wide, "--base", base, "--slope", 0.7, "--size", 8, "--lights", 2, "--over", 2)
