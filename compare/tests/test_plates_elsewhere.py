@@ -208,6 +208,22 @@ def test_cloth_for_cycles(monkeypatch):
         assert (made.cycles.pixel_filter_type, made.libshade.pixel_filter_type, made.cycles.filter_width) == ("BOX", "BOX", 0.01)
 
 
+def test_requests_for_cloth(monkeypatch, capsys):
+    """One after the other, each answered when its picture is written; suns that are a little soft."""
+    with fake_blender.imported("cloth_render") as (bpy, script):
+        made, ended = [], []
+        monkeypatch.setattr(script, "build", lambda request: made.append(request["preset"]))
+        bpy.ops.render.render.side_effect = lambda **how: made.append((bpy.context.scene.render.filepath, how))
+        monkeypatch.setattr(script.os, "_exit", ended.append)
+        monkeypatch.setattr(sys, "stdin", [json.dumps({"preset": preset, "picture": f"/x/{preset}.exr"}) + "\n" for preset in ("DENIM", "LINEN")])
+        script.main()
+        assert made == ["DENIM", ("/x/DENIM", {"write_still": True}), "LINEN", ("/x/LINEN", {"write_still": True})] and ended == [0] and capsys.readouterr().out == "DONE\nDONE\n"
+        scene = MagicMock()
+        script.lamp(scene, 2.2, (1, 2, 3))
+        item = scene.collection.objects.link.call_args.args[0]
+        assert item.rotation_euler == (1, 2, 3) and (item.said[1].said, item.said[1].energy, item.said[1].angle) == (("sun", "SUN"), 2.2, 0.2)
+
+
 # ---- Mitsuba
 
 
