@@ -277,12 +277,12 @@ def test_metals_as_text(export, monkeypatch):
     node.horizon = "MUTUAL"
     assert "BUMP" in text()
     node.bumps_are = "SHAPE"
-    with refused(module, "material 'steel', Bumps Are: no block"):
+    with refused(module, "material 'steel', Bumps Are: no block of POV-Ray's has a Shape; set it to Relief to write the rest"):
         text()
     assert "specular" not in metal(module, monkeypatch, {"fresnel": "conductor"})[1]() and "specular" not in metal(module, monkeypatch, {"fresnel": "conductor", "diffuse": "ashikhmin_shirley"})[1]()
     with refused(module, "a conductor with the diffuse part of Ashikhmin and Shirley"):
         metal(module, monkeypatch, {"fresnel": "conductor", "diffuse": "ashikhmin_shirley", "kd": (0, 0.1, 0)})[1]()
-    with refused(module, "Strokes: no block of POV-Ray's has them"):
+    with refused(module, "Strokes: no block of POV-Ray's has them; set Strokes to 0 to write the rest"):
         metal(module, monkeypatch, {}, strokes=0.1)[1]()
     node, text = metal(module, monkeypatch, {})
     link(fake_blender.material("steel"), node, "Color")
