@@ -4,6 +4,8 @@
 import contextlib
 import importlib
 
+import bpy
+
 import common
 
 
@@ -30,3 +32,20 @@ def raised(function, *arguments):
     except Exception as error:  # whatever it is
         return str(error)
     return ""
+
+
+@contextlib.contextmanager
+def bare_cloth():
+    """(a tree, a cloth node in it) with nothing inside for other renderers but its sockets: to make that takes most of the time."""
+    inside = module("fabric.tree")
+
+    def new_tree():
+        made = bpy.data.node_groups.new("bare", "ShaderNodeTree")
+        for name, kind, *_about in inside.SOCKETS:
+            module("group").new_socket(made, name, "INPUT", f"NodeSocket{kind}")
+        return made
+    tree = common.tree_of(bpy.data.materials.new("cloth"))
+    with replaced(inside, can_update=lambda _tree: False, new_tree=new_tree):
+        node = tree.nodes.new("LibshadeFabricNode")
+        node.inputs["Scale"].default_value = 1
+        yield tree, node

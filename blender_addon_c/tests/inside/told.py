@@ -14,7 +14,7 @@ from mathutils import Matrix
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import common  # noqa: E402
-from parts_of import module, raised, replaced  # noqa: E402
+from parts_of import bare_cloth, module, raised, replaced  # noqa: E402
 
 
 def close(found, wanted):
@@ -802,23 +802,6 @@ def beside(node):
     """A node as draw_buttons_ext knows it: Blender's own call of another function takes no stand-in for its context."""
     kind = type(node)
     return type("Node", (), {"__getattr__": lambda _self, name: getattr(node, name), "draw_buttons": lambda _self, *given: kind.draw_buttons(node, *given)})()
-
-
-@contextlib.contextmanager
-def bare_cloth():
-    """(a tree, a cloth node in it) with nothing inside for other renderers but its sockets: to make that takes most of the time."""
-    inside = module("fabric.tree")
-
-    def new_tree():
-        made = bpy.data.node_groups.new("bare", "ShaderNodeTree")
-        for name, kind, *_about in inside.SOCKETS:
-            module("group").new_socket(made, name, "INPUT", f"NodeSocket{kind}")
-        return made
-    tree = common.tree_of(bpy.data.materials.new("cloth"))
-    with replaced(inside, can_update=lambda _tree: False, new_tree=new_tree):
-        node = tree.nodes.new("LibshadeFabricNode")
-        node.inputs["Scale"].default_value = 1
-        yield tree, node
 
 
 def test_what_cloth_shows():
