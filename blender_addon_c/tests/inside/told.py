@@ -1842,6 +1842,47 @@ def test_a_number_of_an_older_cloth_is_edited():
             assert close(yarns.weft_share(node), share), node.weave
 
 
+def test_what_is_said_of_a_lamps_nodes():
+    """What makes it uneven in two ways at once, what does not shine, what cannot be read; lamps of the same nodes are asked once, where no place counts."""
+    light, said, asked = module("export.light"), [], []
+    lamp, messages = Of(name="bulb", type="AREA"), Of(warning=said.append)
+    table = Of(unknown=Of(name=lambda own, warn: warn("odd")), shines={})
+
+    def seen(shine=None, kind="EMISSION", error=None):
+        def made(own, owner, _table, _messages, lamp):
+            asked.append((own, owner, lamp))
+            if error:
+                raise error
+            return shine
+        said.clear()
+        asked.clear()
+        found = Of(node=Of(name="Red", type=kind)) if kind else None
+        with replaced(light, Shine=made, tree=Of(of=lambda _lamp: "nodes", shader_of=lambda _own: found), _face_of=lambda _lamp: "a face"):
+            return light._shine(lamp, "place", table, messages)
+    shines = lambda **about: Of(**{"mixed": False, "there": True, "turns": False, "color": (1, 2, 3), "even": lambda: "even", "pattern": lambda: ((4, 5, 6), "uneven"), "placed": False, **about})
+    assert seen(kind=None) == (((0, 0, 0), None), False) and said == ["light 'bulb': odd"] and not asked
+    assert seen(shines()) == (((1, 2, 3), "even"), False) and asked == [("nodes", "light 'bulb'", ("AREA", "place", "a face"))] and len(said) == 1
+    assert seen(shines(turns=True, placed=True)) == (((4, 5, 6), "uneven"), True)
+    seen(shines(mixed=True))
+    assert [lamp for *_which, lamp in asked] == [("AREA", "place", "a face"), ("AREA", "place")]
+    assert said[1:] == ["light 'bulb': nodes that make it uneven by direction and over its face at once are not supported; all of its face is as its middle"]
+    assert seen(shines(there=False)) == (((1, 2, 3), "even"), False) and len(said) == 1
+    assert seen(shines(there=False), "BSDF_DIFFUSE") == (((1, 1, 1), None), False) and said[1:] == ["light 'bulb': 'Red' is not supported; its nodes are left out"]
+    for error, why in ((ValueError("images are too many"), "images are too many"), (RecursionError(), "its nodes are too many"), (module("export.graph").TooLarge(), "its nodes are too many")):
+        assert seen(error=error) == (((1, 1, 1), None), False) and said[1:] == [f"light 'bulb': {why}; they are left out"]
+    lamp = type("Lamp", (), {"energy": 2.0, "color": (1.0, 0.5, 0.25)})()
+    places = (Matrix.Translation((1, 0, 0)), Matrix.Rotation(1.0, 4, "X"), Matrix.Diagonal((2, 1, 1, 1)))
+    for placed, times in ((False, 2), (True, 3)):
+        asked.clear()
+        table.shines = {}
+        with replaced(light, tree=Of(of=lambda _lamp: "nodes"), _shine=lambda *_which, placed=placed: asked.append(1) or (((3, 2, 4), {"width": 5}), placed)):
+            for place in (*places, places[0]):
+                strength, more = light._strength(lamp, place, table, messages)
+                assert close(strength, (6, 2, 2)) and more["pattern"]["width"] == 5 and len(more["pattern"]["axes"]) == 9
+            assert close(light._strength(lamp, places[1], table, messages)[1]["pattern"]["axes"], [1, 0, 0, 0, math.cos(1), math.sin(1), 0, -math.sin(1), math.cos(1)])
+        assert len(asked) == times, (placed, asked)
+
+
 def test_words_of_what_is_left_out():
     """Each begins with whose it is, and ends in what is shown in its place."""
     said, part = [], lambda name: module(f"export.{name}")
