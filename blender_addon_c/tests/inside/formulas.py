@@ -163,6 +163,28 @@ def test_slubs():
     assert close(build.sum(((1, 2, 3), 2.0), ((1, 0, 0), -1.0), ((0, 1, 0), 0.5)), (1, 4.5, 6)) and close(build.lerp(2.0, 6.0, 0.25), 3) and close(build.lerp_vector((0, 4, 8), (4, 4, 0), 0.25), (1, 4, 6))
 
 
+def test_points_of_scratches():
+    """By bytes: of x and y 128 is exactly 0 and 1 and 255 are -1 and 1, normals are as long as 1; of height 255 is the surface, which is no scratch, 0 the deepest. A
+    normal that leans is drawn out until its part along the surface's is 1."""
+    tree = module("scratches.tree")
+
+    class Image(Numbers):
+        def new(self, kind, Vector):
+            self.made = Of(outputs={"Color": np.array(self.bytes) / 255}, interpolation="Linear")
+            assert kind == "TexImage" and Vector == "place"
+            return self.made
+        points = tree._Builder.points
+    build = Image()
+    for build.bytes, normal, height, mask in (((128, 128, 255), (0, 0, 1), 0, 0), ((128, 128, 254), (0, 0, 1), -1 / 255, 1), ((191.5, 128, 0), (0.5, 0, math.sqrt(0.75)), -1, 1),
+                                              ((128, 51.8, 51), (0, -0.6, 0.8), -0.8, 1), ((255, 255, 255), (1, 1, 2 * math.sqrt(1e-4)), 0, 0)):
+        found, deep, there = (number(one) for one in build.points("image", "place"))
+        assert close(2 * found - 1, normal) and close(deep, height) and there == mask, build.bytes
+        assert build.made.image == "image" and build.made.interpolation == "Closest"
+    for normal, surface, wanted in (((0.6, 0, 0.8), (0, 0, 1), (0.75, 0, 1)), ((0, 0, 1), (0, 0, 1), (0, 0, 1)), ((0, 1, 0), (0, 0.8, 0.6), (0, 1.25, 0)), ((1, 0, -1), (0, 0, 1), (1000, 0, -1000))):
+        assert close(tree.leaning(Numbers(), normal, surface), wanted), normal
+    assert close(tree._Builder.mixed(Numbers(), 2.0, 6.0, 0.25), 3)
+
+
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
     test()
     print(test.__name__, "done", flush=True)
