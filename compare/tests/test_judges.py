@@ -471,6 +471,21 @@ def test_truth_under_skies_goes_by_the_median(monkeypatch, tmp_path):
     assert status == 1 and not result["wanted"]
 
 
+def test_what_horizons_leave_dark_and_how_bright_they_are(monkeypatch, tmp_path):
+    """Dark is below a twentieth of the truth's mean, not of the method's own; brightness is the mean over the truth's; both are means over the skies."""
+    flat = lambda value, black=0: np.concatenate([np.zeros((black, PIXELS, 3)), np.full((PIXELS - black, PIXELS, 3), value)])  # noqa: E731
+    quarter = PIXELS // 4
+    sky = {"displaced": flat(1.0), truth.AGAIN: flat(1.0), "hard": flat(0.04), truth.BEFORE: flat(0.5, quarter), "schuessler": flat(1.5), "mutual": flat(0.9), truth.CYCLES: flat(0.06, 2 * quarter)}
+    other = {**sky, "hard": flat(0.06), truth.BEFORE: flat(0.5, 3 * quarter), "mutual": flat(0.7)}
+    monkeypatch.setattr(truth, "render_skies", lambda options: {"one": sky, "other": other})
+    monkeypatch.setattr(truth, "write_strip", lambda *_: None)
+    with contextlib.redirect_stdout(io.StringIO()):
+        truth.main(["--output", str(tmp_path), "--light", "sky", "--surface", "letter", "--size", str(PIXELS)])
+    result = json.loads((tmp_path / "truth.json").read_text(encoding="utf-8"))
+    assert result["dark"] == pytest.approx({"displaced": 0, "hard": 0.5, truth.BEFORE: 0.5, "schuessler": 0, "mutual": 0, truth.CYCLES: 0.5})
+    assert result["brightness"] == pytest.approx({"hard": 0.05, truth.BEFORE: 0.25, "schuessler": 1.5, "mutual": 0.8, truth.CYCLES: 0.03})
+
+
 def test_what_depends_on_the_normal_alone():
     """Nothing is left of such a picture; of one that tells peaks from pits, all that it tells."""
     size = 64

@@ -50,6 +50,14 @@ def test_materials():
     assert materials.arguments([]).limit == real_files.arguments([]).limit
 
 
+def test_results_of_other_settings_are_not_taken():
+    """Each option that changes what is measured has results of its own; others do not."""
+    one, two = real_files.listed()[:2]
+    key = lambda *words, row=one: real_files.key_of(row, real_files.arguments(list(words)))  # noqa: E731
+    assert len({key(), key("--size", "64"), key("--noise", ".02"), key("--cap", "64"), key("--seconds", "9"), key(row=two)}) == 6
+    assert key() == key("--threads", "3") == key("--limit", ".1", "--share", ".5", "--timeout", "9")
+
+
 def test_verdict(capsys):
     options = real_files.arguments([])
     good = [row("rendered", 0.05)] * 9

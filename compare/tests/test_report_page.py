@@ -106,6 +106,8 @@ def test_a_table_is_sorted_by_mouse_and_by_key(browser):
     names = column(browser, table, 1)
     assert names == sorted(names, key=str.casefold)
     assert browser.run("document.querySelectorAll('th[aria-sort]').length") == 1
+    for sign in (1, -1):  # numbers, then texts, then what is empty, which a click does not bring to the top
+        assert browser.run(f"[null, 'b', 3, 'a', null, 20].sort((a, b) => compare(a, b, {sign}))") == [[3, 20, "a", "b"], [20, 3, "b", "a"]][sign < 0] + [None] * 2
 
 
 def test_links_lead_somewhere_and_nothing_complains(browser):

@@ -293,6 +293,25 @@ def test_sheets_and_tables(rows, tmp_path):
         assert table.rows and all(len(row) == len(table.columns) for row in table.rows)
 
 
+def test_pictures_of_a_row_stand_on_one_line(tmp_path):
+    """Whatever their heights, each above its label."""
+    made = [("low", np.zeros((10, 40), np.uint8)), ("tall", np.zeros((30, 40), np.uint8)), ("below", np.zeros((20, 40), np.uint8))]
+    root = ET.fromstring(sheet.svg(sheet.tiles(tmp_path, "f", made), across=2).replace("xlink:", ""))
+    box = [{word: float(one.get(word)) for word in ("x", "y", "width", "height")} for one in root.iter("image")]
+    ends = [one["y"] + one["height"] for one in box]
+    assert [one["height"] / one["width"] for one in box] == pytest.approx([1 / 4, 3 / 4, 1 / 2], rel=0.02)
+    assert ends[0] == ends[1] < ends[2] and box[1]["y"] == 0 and box[0]["x"] == box[2]["x"] < box[1]["x"]
+    labels = {one.text: float(one.get("y")) for one in root.iter("text")}
+    assert ends == [labels["low"] - sheet.LINE, labels["tall"] - sheet.LINE, labels["below"] - sheet.LINE] and box[2]["y"] > labels["tall"]
+    assert all(one.get(word) == other.get(word) for one, other in zip(root.iter("image"), root.iter("rect")) for word in ("x", "y", "width", "height"))
+
+
+def test_grey():
+    """sRGB [IEC 61966-2-1], or a power."""
+    assert sheet.grey(np.array([-1, 0, 0.004, 0.4317211, 1, 2, 4, np.nan]), 2).tolist() == [0, 0, 7, 128, 188, 255, 255, 0]
+    assert sheet.grey(np.array([0, 0.25, 0.5, 1]), 1, 2).tolist() == [0, 128, 180, 255]
+
+
 @pytest.mark.parametrize("value, said", [(0, "less than 0.01 %"), (0.0123, "1.2 %"), (0.5, "50 %"), (1.0, "100 %"),
                                          (0.0996, "10 %")])
 def test_percent(value, said):
