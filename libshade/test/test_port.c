@@ -245,6 +245,8 @@ static void this_process(void **state) {
   assert_int_equal(shade_port_program_folder(path, 3), -1);
   assert_int_equal(shade_port_set_variable("SHADE_PORT_TEST", "one"), 0);
   assert_string_equal(getenv("SHADE_PORT_TEST"), "one");
+  assert_int_equal(shade_port_set_variable("SHADE_PORT_TEST", "another"), 0);
+  assert_string_equal(getenv("SHADE_PORT_TEST"), "another");
   assert_int_equal(shade_port_set_variable("SHADE_PORT_TEST", NULL), 0);
   assert_null(getenv("SHADE_PORT_TEST"));
   double *memory = shade_port_aligned_new(4 * SHADE_PORT_LINE);

@@ -121,6 +121,35 @@ static void flat_places_are_flat(void **state) {
   shade_relief_free(r);
   free(f);
 }
+/* Noise along the edges at 0, nothing elsewhere. */
+static void rough_first_edges(double u, double v, uint64_t *seed, double s[2]) {
+  s[0] = s[1] = 0;
+  if (u < 0.04 || v < 0.04) {
+    s[0] = uniform(seed) - 0.5;
+    s[1] = uniform(seed) - 0.5;
+  }
+}
+
+/* The square that was looked at is no tile: windows at its last edges do not reach the first. */
+static void edges_are_no_neighbours(void **state) {
+  (void)state;
+  field *f = look(rough_first_edges, 3, 0.5);
+  for (int shape = 0; shape < 2; shape++) {
+    shade_relief *r = relief_of(f, shape);
+    float s[5];
+    for (double at = 0.2; at < 1; at += 0.1) {
+      place(r, 3 + 0.5 * 0.9995, 3 + 0.5 * at, s);
+      assert_slopes(s, (double[]){0, 0, 0, 0, 0}, 1e-3);
+      place(r, 3 + 0.5 * at, 3 + 0.5 * 0.9995, s);
+      assert_slopes(s, (double[]){0, 0, 0, 0, 0}, 1e-3);
+    }
+    place(r, 3 + 0.5 * 0.01, 3.25, s);
+    assert_true(s[2] > 0.03F && s[4] > 0.03F); /* of 1/12 */
+    shade_relief_free(r);
+  }
+  free(f);
+}
+
 static void a_small_square_has_windows_of_its_own(void **state) {
   (void)state;
   field *f = look(half_rippled, 0.3, 0.02);
@@ -273,6 +302,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(even_bumps_have_the_moment_of_all),
       cmocka_unit_test(flat_places_are_flat),
+      cmocka_unit_test(edges_are_no_neighbours),
       cmocka_unit_test(a_small_square_has_windows_of_its_own),
       cmocka_unit_test(more_than_a_period_lies_on_itself),
       cmocka_unit_test(few_points_say_less),
