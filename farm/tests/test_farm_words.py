@@ -426,11 +426,12 @@ def test_what_slurm_says(job, monkeypatch):
     monkeypatch.setattr(slurm, "_call", lambda *words: told[words[0]])
     files.write_json(made.path("engine.json"), {"engine": "slurm", "ids": ["7", "8"]})
     told = {"squeue": "7_0|RUNNING|None|node1\n7_1|PENDING|JobHeldUser|\n7_2|PENDING|launch failed requeued held|\n8|PENDING|Dependency|\nodd\n",
-            "sinfo": "node1|mixed|none\nnode2|drained|a lamp \nnode2|drained|a lamp\nnode3|down*|gone|more\n"}
+            "sinfo": "node1|mixed|none\nnode2|drained|a lamp \nnode2|drained|a lamp\nnode3|down*|gone|more\nnode4|draining|moves\nnode5|idle|none\n"}
     free = "free it with: scontrol"
     assert slurm.state(made) == (3, [f"7_1 is held (JobHeldUser); {free} release 7_1", f"7_2 is held (launch failed requeued held); {free} release 7_2",
                                      f"node node2 is drained (a lamp); {free} update nodename=node2 state=resume",
-                                     f"node node3 is down* (gone|more); {free} update nodename=node3 state=resume"])
+                                     f"node node3 is down* (gone|more); {free} update nodename=node3 state=resume",
+                                     f"node node4 is draining (moves); {free} update nodename=node4 state=resume"])
     told["squeue"] = "7_0|RUNNING|None|node1\n"
     assert slurm.state(made) == (1, [])
     told["squeue"] = ""
@@ -710,6 +711,7 @@ def test_an_item_from_begin_to_end(job, monkeypatch, capsys, tmp_path):
         return ["a.png"]
     monkeypatch.setattr(povray, "render", render)
     files.write_json(made.path("failed", "0.json"), {"message": "before"})
+    monkeypatch.setattr(item.resource, "getrusage", lambda whose: Of(ru_maxrss={item.resource.RUSAGE_CHILDREN: 70 * 1024 + 5}[whose]))  # KiB: getrusage(2)
     fails = []
     assert item.run(made, 0) == 0 and seen == [({"host": "here", "pid": os.getpid()}, "sse2", "b", 1, 0o755)]
     assert set(handlers) == {signal.SIGTERM, signal.SIGINT, signal.SIGHUP}
@@ -717,7 +719,7 @@ def test_an_item_from_begin_to_end(job, monkeypatch, capsys, tmp_path):
         handlers[signal.SIGINT](2, None)
     assert sorted(os.listdir(made.path("results/0"))) == ["a.png", "item.json"] and os.listdir(made.path("frames")) == ["a.png"]
     told = files.read_json(made.path("results/0/item.json"))
-    assert (told["host"], told["files"][0]["path"]) == ("here", "a.png") and 0 <= told["seconds"] < 60 and abs(told["ended"] - time.time()) < 60 and told["megabytes"] >= 0
+    assert (told["host"], told["files"][0]["path"]) == ("here", "a.png") and 0 <= told["seconds"] < 60 and abs(told["ended"] - time.time()) < 60 and told["megabytes"] == 70
     assert not any(os.listdir(made.path(name)) for name in ("failed", "running", "work"))
     lines = [line.split(f" here {os.getpid()}: ")[1] for line in pathlib.Path(made.log(0)).read_text().splitlines()]
     assert lines == ["item 0 (frame 1)", "done"] and item.run(made, 0) == 0 and capsys.readouterr().out == "item 0 (frame 1) is whole already\n"
