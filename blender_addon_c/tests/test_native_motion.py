@@ -290,6 +290,16 @@ def vectors_of(**changes):
     return found
 
 
+@pytest.mark.parametrize("kind", ["EQUIRECTANGULAR", "FISHEYE_EQUIDISTANT"])
+def test_panoramas_have_no_vectors(kind):
+    """Though what they see moves, and a flat picture has its vectors: those are places in a plane."""
+    moves = {"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "motion": np.stack([matrix(-0.5), matrix(), matrix(0, 1)])}
+    around = ortho() | {"type": "PANO", "panorama": kind, "fov": 0.6, "focal": 1.0, "range": [-0.3, 0.3, -0.3, 0.3],
+                        "sensor": (1.0, 1.0), "polynomial": [0.0] * 5, "frame": [0, 1, 0, 1]}
+    flat, none = (vectors_of(camera=camera, meshes=[square(9.0)], instances=[moves]) for camera in (ortho(), around))
+    assert (np.abs(flat).max(-1) > 1).all() and (none == 0).all()
+
+
 def test_what_was_beside_the_camera_has_no_vector():
     """Nor will it have one where it comes there: no number says how far it moved. What moves else has its own."""
     def eye(z):
