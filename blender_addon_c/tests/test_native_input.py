@@ -416,6 +416,20 @@ def test_dump_says_the_clamped_texture_that_was_shaded(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("given, shaded", [(0.0, 1e-4), (-1.0, 1e-4), (3e-4, 3e-4), (0.02, 0.02), (20.0, 10.0)])
+def test_dump_says_the_clamped_roughness_that_was_shaded(given, shaded, tmp_path):
+    """What nodes give, from 1e-4 to 10: head-on, facing the sun, a lobe's peak is F0 / (4 pi ax ay)."""
+    path, out = tmp_path / "d.exr", [(3,)]
+    said = {"type": "MATH", "operation": "ADD", "a": [given], "b": [0.0], "c": [0.0], "out": out}
+    rough = material(mdf="GGX", brdf="MICROFACET", f0=(1, 1, 1)) | {"nodes": [said], "ax_from": out, "ay_from": out}
+    planes, _ = dump(scene(width=4, height=4, materials=[rough]), path)
+    for axis in "XY":
+        np.testing.assert_allclose(planes[f"alpha.{axis}"], shaded, rtol=1e-6)
+    np.testing.assert_allclose(planes["light0.S.R"], 1 / (4 * np.pi * shaded**2), rtol=2e-3)
+    done = check(path)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_normal_map_of_nan_and_below_the_surface():
     pixels = np.full((4, 4, 4), np.nan, np.float32)
     flat, _ = render(scene())
