@@ -323,6 +323,29 @@ def test_primitives(render, shade_check, colours, name, geometry):
     shade_check(dump)
 
 
+def test_bumps_of_all_sides_of_a_box_lean_as_a_pigment_runs(render, tmp_path):
+    """What a map leans along red and green is where the colours of a pigment under uv_mapping rise: red u, green v."""
+    lean = np.array([.6, .3, .55 ** .5])
+    write(tmp_path / "map.exr", np.full((2, 2, 3), (lean + 1) / 2, np.float32), "float")
+    ramps = ("uv_mapping average pigment_map { [1 gradient x color_map { [0 rgb 0] [1 red 2] }]"
+             " [1 gradient y color_map { [0 rgb 0] [1 green 2] }] }")
+    corner = "box { <-.7, -.5, -.6>, <.6, .7, .5> "
+    turned = "matrix <0, -1, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0>"  # which brings the hidden sides to the front
+    boxes = [corner + "translate -x", corner + turned + " translate x"]
+    camera = "camera { orthographic location <3, 3, -3> right 4*x up 3*y look_at 0 }\n"
+    text = "".join(textured(box) for box in boxes).replace("rgb .5", ramps).replace("ambient 0", "ambient 1")  # the only light
+    result = render("#version 3.7; global_settings { assumed_gamma 1 }\n" + camera + text, (48, 36))
+    dump, colour = result.dump, result.image[..., :2]
+    for side in (-1, 1):
+        for axis, N in enumerate(np.array([[1, 0, 0], [0, 1, 0], [0, 0, -1]])):
+            here = dump.hit & (dump.P[..., 0] * side > 0) & (dot(dump.N, N) > .99)
+            P = dump.P[here] - dump.P[here].mean(0)
+            assert len(P) > 50
+            rise = np.linalg.lstsq(P, colour[here] - colour[here].mean(0), rcond=1e-6)[0]
+            T, B = normalise(rise.T)
+            np.testing.assert_allclose(dump.Ns[here], np.tile(lean @ [T, B, N], (len(P), 1)), atol=5e-3, err_msg=f"{side} {axis}")
+
+
 @pytest.mark.parametrize("name, geometry", [("sphere", "sphere { 0, 1"), ("torus", "torus { .8, .3")])
 @pytest.mark.parametrize("side", ["x", "-x"])
 def test_seams(render, colours, name, geometry, side):
