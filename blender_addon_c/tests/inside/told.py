@@ -3,6 +3,7 @@
 
 import contextlib
 import math
+import operator
 import os
 import struct
 import sys
@@ -726,6 +727,42 @@ def test_every_node_of_an_aov_counts():
     mute, empty = Of(type="GROUP", mute=True, node_tree=Of(nodes=[aov("mute")])), Of(type="GROUP", mute=False, node_tree=None)
     found = list(known._aovs(Of(nodes=[Of(type="RGB"), aov("first"), mute, inner, empty, Of(type="RGB"), aov("last")]), ()))
     assert [(node.name, groups) for node, groups in found] == [("first", ()), ("inner", (inner,)), ("last", ())]
+
+
+def test_the_active_output_of_a_group_speaks():
+    """Of two, whichever comes first."""
+    outer, inner = (bpy.data.node_groups.new(name, "ShaderNodeTree") for name in ("outer", "inner"))
+    module("group").new_socket(inner, "Tone", "OUTPUT", "NodeSocketFloat")
+    says = {}
+    for name in ("first", "second"):
+        value, says[name] = inner.nodes.new("ShaderNodeValue"), inner.nodes.new("NodeGroupOutput")
+        value.name = name
+        inner.links.new(value.outputs[0], says[name].inputs["Tone"])
+    group, asks = outer.nodes.new("ShaderNodeGroup"), outer.nodes.new("ShaderNodeMath")
+    group.node_tree = inner
+    outer.links.new(group.outputs["Tone"], asks.inputs[0])
+    for active in ("second", "first"):
+        for name, output in says.items():
+            output.is_active_output = name == active
+        assert module("export.tree").trace(asks.inputs[0]).node.name == active
+
+
+def test_what_is_clearer_than_the_alpha_threshold_lets_a_pass_through():
+    """A surface whose alpha is below it is seen through in what nodes say, by as much as it is in the picture; else not at all."""
+    does = {"ADD": operator.add, "SUBTRACT": operator.sub, "MULTIPLY": operator.mul, "GREATER_THAN": operator.gt}
+    parts, said, material = module("export.material"), ("tone", "COLOR"), bpy.data.materials.new("pane")
+    tree = common.tree_of(material)
+    pane = tree.nodes.new("ShaderNodeBsdfTransparent")
+    tree.links.new(pane.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    for threshold, alpha, through in ((0.25, 0.125, 0.875), (0.25, 0.375, None), (0.75, 0.625, 0.375), (0.75, 0.875, None)):
+        pane.inputs["Color"].default_value = (*[1 - alpha] * 3, 1)
+        with replaced(bpy.context.view_layer, pass_alpha_threshold=threshold):
+            told, depsgraph = module("export").Messages(), bpy.context.evaluated_depsgraph_get()
+            table = parts.Table(told, bpy.context.scene.libshade, False, None, depsgraph, aovs=[said])
+        with replaced(module("export.graph").Program, math=lambda _program, word, a, b, _c=0.0: float(does[word](a, b))):
+            index = table.index(material)
+        seen = [closure["weight"] for closure in table.aovs[said][index]["closures"] if closure["closure"] == "TRANSPARENT"]
+        assert len(seen) == (through is not None) and np.allclose(seen, through or 0), (threshold, alpha, seen)
 
 
 def test_what_an_update_makes_old():
