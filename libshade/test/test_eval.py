@@ -420,6 +420,29 @@ def test_help_tells_ranges_units_and_defaults(command):
     assert [text for text in HELP[command] if text not in said] == []
 
 
+PAGE = """usage: shade COMMAND [options]
+eval evaluate a distribution or BRDF for queries on standard input
+bench time every method beside its error
+scratch make a map of scratches
+presets cloths and metals by name, and their numbers
+fabric what a cloth reflects, near and far
+swatch pictures of cloths and metals by name
+slopes look a normal map up with a footprint
+check recompute a renderer's dump with the reference
+weave which yarn is on top of a woven cloth, drafts and maps of it
+shade COMMAND --help options of a command
+shade --version version and instruction set
+Exit status: 0 done, 1 bad input, 2 bad usage."""
+
+
+@pytest.mark.parametrize("words, status, first", [(["--help"], 0, []), ([], 2, []), (["polish"], 2, ["shade: unknown command 'polish'"])])
+def test_the_first_page_names_each_command(words, status, first):
+    done = subprocess.run([SHADE, *words], capture_output=True, text=True, timeout=60)
+    said, other = (done.stdout, done.stderr) if status == 0 else (done.stderr, done.stdout)
+    assert done.returncode == status and other == ""
+    assert [" ".join(line.split()) for line in said.splitlines() if line] == first + PAGE.split("\n")
+
+
 def test_what_goes_without_saying_is_as_the_help_says(tmp_path):
     """Each command with its defaults spelt out writes what it writes without them."""
     shade = lambda *words, points="": subprocess.run([SHADE, *map(str, words)], input=points, capture_output=True, text=True, timeout=60)
