@@ -331,6 +331,117 @@ def test_samples_are_raised_until_seeds_agree(tmp_path, monkeypatch):
     assert render.apart(rows, shown) == 0 and render.apart(rows[:, ::-1], np.roll(shown, 4, 0)) == 1
 
 
+TOLD = {"noise": 0.00123456, "samples": 16, "seconds": 1.2345, "added": ["camera", "light"], "words": []}
+SAID = {"added": "camera light", **{f"{what}_cycles": value for what, value in (("noise", 0.0012), ("samples", 16), ("seconds", 1.23))}}
+
+
+@pytest.mark.parametrize("theirs, ours, values, wanted", [
+    ({"failed": "CYCLES: no", "words": ["c"]}, None, None, {"state": "CYCLES: no"}),
+    (TOLD, {"failed": "LIBSHADE: no", "words": ["a", "b"]}, None, {"state": "LIBSHADE: no", "warnings": "a; b", **SAID}),
+    (TOLD, {**TOLD, "noise": 0.5}, (np.nan, 1), {"state": "values that are not finite"}), (TOLD, TOLD, (1, np.inf), {"state": "values that are not finite"}),
+    (TOLD, TOLD, (1, 9e-7), {"state": "nothing to see in Cycles"}), (TOLD, TOLD, (0, 1.1e-6), {"state": "rendered", "difference": 1, "brightness": 0}),
+    (TOLD, {**TOLD, "noise": 0.5, "samples": 32, "seconds": 2.0}, (1.12341, 1),
+     {"state": "rendered", "difference": 0.1234, "brightness": 1.1234, "noise_libshade": 0.5, "samples_libshade": 32, "seconds_libshade": 2.0, "warnings": "", **SAID})])
+def test_states_of_a_pair(tmp_path, monkeypatch, theirs, ours, values, wanted):
+    """The first thing that is amiss, and what is known until then; ours gets what was added for Cycles."""
+    (tmp_path / "libshade.zip").write_bytes(b"add-on")
+    monkeypatch.setattr(real_files, "ZIP", tmp_path / "libshade.zip")
+    asked, shown = [], []
+
+    def rendered(_row, engine, stem, added, file, _options):
+        asked.append((engine, str(stem.relative_to(tmp_path)), added, file))
+        assert stem.parent.is_dir()
+        for seed in (1, 2) if values else ():
+            pictures.write_float(f"{stem}_{seed}.exr", np.full((8, 8, 3), values[engine == "CYCLES"], np.float32))
+        return theirs if engine == "CYCLES" else ours
+    monkeypatch.setattr(real_files, "rendered", rendered)
+    monkeypatch.setattr(real_files, "show", lambda path, *pair: shown.append((path.parent.name, [float(one.max()) for one in pair])))
+    options, one = real_files.arguments(["--output", str(tmp_path)]), real_files.listed()[0]
+    options.grooves = True
+    found, key = real_files.both(one, options, "a.blend"), real_files.key_of(one, options)
+    assert {name: found[name] for name in wanted} == wanted and list(found) == [*one, *real_files.EMPTY]
+    if "failed" in theirs:
+        assert found == {**one, **real_files.EMPTY, **wanted}
+    folder = "libshade-" + real_files.hashlib.sha256(b"add-on").hexdigest()[:12]
+    assert asked == [("CYCLES", f"cycles/{key}", None, "a.blend"), ("LIBSHADE", f"{folder}/{key}-grooves", ["camera", "light"], "a.blend")][:2 if ours else 1]
+    assert len(shown) == bool(values) and (not shown or np.isnan(values).any() or shown == [("pictures", [pytest.approx(value) for value in values])])
+
+
+def test_what_of_a_file_is_shown(monkeypatch, capsys):
+    """A material lies on a smooth ball and a box above a floor, or on round hair; a file opens without its scripts, and others are imported into nothing."""
+    bpy, views, here = MagicMock(), [], SimpleNamespace(materials=[])
+    render = in_blender(monkeypatch, bpy, [])
+    monkeypatch.setattr(render, "add_camera", lambda points: views.append([tuple(point) for point in points]))
+    bpy.data.libraries.load.return_value.__enter__.return_value = SimpleNamespace(materials=["wood", "tile"]), here
+    render.opened({**JOB, "material": "tile"})
+    assert bpy.data.libraries.load.call_args.args == ("a.blend",) and here.materials == ["tile"] and bpy.data.materials.__getitem__.call_args.args == ("tile",)
+    mesh, order = bpy.ops.mesh, [name for name, *_ in bpy.mock_calls if name.endswith(("_add", "smooth", "settings", "append"))]
+    assert order == ["ops.wm.read_factory_settings", "ops.mesh.primitive_uv_sphere_add", "ops.object.shade_smooth", "context.object.data.materials.append",
+                     "ops.mesh.primitive_cube_add", "context.object.data.materials.append", "ops.mesh.primitive_plane_add", "context.object.data.materials.append"]
+    ball, box = (one.call_args.kwargs for one in (mesh.primitive_uv_sphere_add, mesh.primitive_cube_add))
+    assert ball["location"][2] == 1 and 0 < box["location"][2] - box["size"] / 2 < .02 and box["location"][0] - ball["location"][0] > 1 + box["size"] / 2
+    tile, floor = bpy.data.materials.__getitem__.return_value, bpy.data.materials.new.return_value
+    assert [call.args[0] for call in bpy.context.object.data.materials.append.call_args_list] == [tile, tile, floor] and floor.diffuse_color == (.5, .5, .5, 1)
+    assert views == [[(-2, -1, 0), (2, 1, 2)]] and bpy.ops.wm.read_factory_settings.call_args.kwargs == {"use_empty": True}
+    with pytest.raises(SystemExit, match="a.blend: no material 'stone'"):
+        render.opened({**JOB, "material": "stone"})
+
+    hair = bpy.data.hair_curves.new.return_value
+    hair.attributes.get.return_value = None
+    render.opened({**JOB, "material": "wood", "strands": True})
+    points = hair.points.foreach_set.call_args.args[1].reshape(60, 6, 3)
+    radii = hair.attributes.new.return_value.data.foreach_set.call_args.args[1].reshape(60, 6)
+    assert hair.add_curves.call_args.args == ([6] * 60,) and hair.points.foreach_set.call_args.args[0] == "position" and points.dtype == np.float32
+    assert np.allclose(points[:, 0, 2], -1) and np.allclose(points[:, -1, 2], 1) and np.allclose(np.diff(points[..., 2]), .4)
+    assert (abs(points[:, 0]) <= (1.2, .4, 1)).all() and (np.ptp(points[:, 0], axis=0)[:2] > (2, .6)).all()
+    bent = np.linalg.norm(points[:, -1, :2] - points[:, 0, :2], axis=1)
+    assert .3 < bent.mean() < .7 and np.allclose(points[:, 1, :2] - points[:, 0, :2], (points[:, -1, :2] - points[:, 0, :2]) / 25, atol=1e-6)
+    assert hair.attributes.new.call_args.args == ("radius", "FLOAT", "POINT") and np.allclose(radii, np.linspace(.06, .02, 6)) and radii.dtype == np.float32
+    assert bpy.context.scene.cycles_curves.shape == "THICK" and hair.materials.append.call_args.args == (tile,) and views[1] == [(-1.2, -.6, -1), (1.2, .6, 1)]
+
+    wm, read = bpy.ops.wm, []
+    monkeypatch.setattr(render, "imported", read.append)
+    render.opened(JOB)
+    assert wm.open_mainfile.call_args.kwargs == {"filepath": "a.blend", "load_ui": False, "use_scripts": False}
+    wm.open_mainfile.side_effect, bpy.data.filepath = RuntimeError("a library is missing"), "a.blend"
+    render.opened(JOB)
+    assert capsys.readouterr().out == "a library is missing\n" and not read
+    bpy.data.filepath = "other.blend"
+    with pytest.raises(RuntimeError, match="missing"):
+        render.opened(JOB)
+    wm.read_factory_settings.reset_mock()
+    render.opened({**JOB, "file": "a.obj"})
+    assert read == ["a.obj"] and wm.read_factory_settings.call_args.kwargs == {"use_empty": True}
+
+
+@pytest.mark.parametrize("version, space", [((3, 4), "Linear"), ((4, 0), "Linear Rec.709")])
+def test_a_picture_of_each_seed(monkeypatch, version, space):
+    """The first is shown, by how much the second is apart is the noise, and the shorter time counts."""
+    bpy, clock, settings = MagicMock(), [0.0], SimpleNamespace()
+    bpy.app.version = version
+    render = in_blender(monkeypatch, bpy, [])
+    monkeypatch.setattr(render.time, "perf_counter", lambda: clock[0])
+    seen = []
+
+    def rendered(write_still):
+        assert write_still is True
+        seen.append((bpy.context.scene.render.filepath, settings.samples, settings.seed))
+        clock[0] += 5 - settings.seed
+    bpy.ops.render.render = rendered
+    image = bpy.data.images.load.return_value
+    image.size, image.pixels.__len__.return_value = (8, 4), 8 * 4 * 4
+
+    def pixels(into):
+        into[:] = np.repeat([[[1, 2, 3, 9]], [[1, 2, 6, 9]]][len(seen) - 1], 32, 0).ravel()
+        into[:4] = 7, 7, 7, 9
+    image.pixels.foreach_get.side_effect = pixels
+    first, noise, seconds = render.pair({"output": "x"}, settings, 64)
+    assert seen == [("x_1.exr", 64, 1), ("x_2.exr", 64, 2)] and [call.args[0] for call in bpy.data.images.load.call_args_list] == ["x_1.exr", "x_2.exr"]
+    assert first.shape == (4, 8, 3) and first[0, 0].tolist() == [7, 7, 7] and first[3, 7].tolist() == [1, 2, 3] and seconds == 3
+    assert noise == pytest.approx(15.5 / 16 / np.mean([2 + 5 / 32, 3 + 4 / 32]))  # the third channel of 31 pixels of 32
+    assert image.colorspace_settings.name == space and bpy.data.images.remove.call_args.args == (image,)
+
+
 # ---- how they are rendered, by programs that stand for others
 
 
