@@ -148,6 +148,11 @@ def test_the_worst_pixel(tmp_path):
 
     said = judged(pair(tmp_path, second=move, povray=False))[2]
     assert [row["worst"] for row in said["rows"] if row["what"].startswith("P equal")] == ["(17, 11)"]
+    a, b = map(dumps.read, pair(tmp_path, povray=False))
+    assert check.pair_rows(a, b)[0][0][-1] == ""
+    row, column = np.argwhere(b.covered)[9]
+    b.material[row, column] = -1
+    assert check.pair_rows(a, b)[0][0][-1] == check.pair_rows(b, a)[0][0][-1] == f"({column}, {row})"
 
 
 def test_how_two_are_shaded_and_shown(tmp_path, monkeypatch):

@@ -61,6 +61,8 @@ def test_figures_and_tables_are_counted_through_the_page():
     assert 'aria-label="a &quot;b&quot;"' in page.figure(sections[0], part("a"), names)
     made = page.table(sections[0], part("t", rows=[(1, "one"), (2, "two")]), names)
     assert made.count("<tr>") == made.count("</tr>") == 3 and made.count("class=number") == 1
+    assert page.table(sections[0], part("t", rows=[(1, "one"), (2, 2)]), names).count("class=number") == 1  # a column of words and numbers is none of numbers
+    assert page.figure(sections[0], part("a"), names).rstrip().splitlines()[-2] == "<figcaption><b>Figure 1.</b> <code>x</code> &amp; y</figcaption>"
     with pytest.raises(ValueError, match="table t: a row of 1 for 2"):
         page.table(sections[0], part("t", rows=[(1,)]), names)
     linked = page.sentence(sections[1], SimpleNamespace(text="so", figure="a"), names)
@@ -91,7 +93,7 @@ def test_a_page_of_its_own_and_the_report():
                                         "commands": {}, "count": 3, **more})
     lead = SimpleNamespace(text="See.", figure="seen", holds=True)
     sections = [of(findings=[lead], topic="detail", answers=[SimpleNamespace(surface="is < flat", use="`a`", costs="2 ×", fails="never")]),
-                of(name="atlas", title="Where", apart=True, figures=[part("map")], tables=[part("u")])]
+                of(name="atlas", title="Where", apart=True, findings=[SimpleNamespace(text="At first.", figure="", holds=True), finding], figures=[part("map")], tables=[part("u")])]
     head = {"machine": "m", "compiler": "c", "commit": "1234", "date": "today", "command": "make compare"}
     text = page.html(sections, head, False)
     order = [text.index(word) for word in ('<a class="skip" href="#answers">To the answers</a>', "libshade · report</p>", "<h1>Speed, accuracy, and where methods fail</h1>",
@@ -99,7 +101,9 @@ def test_a_page_of_its_own_and_the_report():
                                           '<section id="speed">', 'id="speed-seen"', '<section id="atlas">', '<a href="atlas.html">Maps, findings and reasons</a>',
                                           '<section id="appendix">', 'id="speed-late"', '<div class="table" id="speed-t">', "<dt>machine</dt><dd>m</dd>", "<dt>commit</dt><dd>1234</dd>",
                                           "<dt>made by</dt><dd><code>make compare</code></dd>")]
-    assert order == sorted(order) and "<dt>command" not in text and "atlas-u" not in text and "quick report" not in text and page.QUICK[:30] not in text
+    assert all(word in text for word in ('<html lang="en">', '"viewport" content="width=device-width, initial-scale=1"', '"color-scheme" content="light dark"', '<p id="said" role="status"',
+                                         "<details open><summary>Contents</summary>", '<p class="intro">So it is.'))  # a phone's width, dark screens, what a reader aloud is told
+    assert order == sorted(order) and "At first." not in text and "<dt>command" not in text and "atlas-u" not in text and "quick report" not in text and page.QUICK[:30] not in text
     assert '<tr><td>is &lt; flat</td><td data-head="use"><a href="#speed">detail</a> <code>a</code></td><td data-head="costs">2 ×</td><td data-head="fails where">never</td></tr>' in text
     assert [head for head in re.findall(r'<th scope="col">(.*?)</th>', text)][:4] == ["If your surface …", "use", "costs", "fails where"]
     assert "Figure&nbsp;2" in text and text.count("<b>Figure 1.</b>") == 1
@@ -300,13 +304,14 @@ def test_pieces_by_a_farm(made_of, tmp_path, monkeypatch, capsys):
     tasks = [study.Task(key, 1, lambda _folder, _say: [{"n": 1}]) for key in ("a", "b")]
     asked = []
 
-    def farm(options, status=0, wrong=(), submitted=True):
+    def farm(options, status=0, wrong=(), submitted=True, finished=True):
         def run(command):
             folder = Path(command[command.index("-o") + 1])
             asked.append((command, folder))
             (folder / "results").mkdir(parents=True)
             if submitted:
                 (folder / "job.json").touch()
+            if submitted and finished:
                 (folder / "finished.json").write_text(report_page.json.dumps({"wrong": list(wrong)}))
             return SimpleNamespace(returncode=status)
         monkeypatch.setattr(report_page.subprocess, "run", run)
@@ -333,6 +338,19 @@ def test_pieces_by_a_farm(made_of, tmp_path, monkeypatch, capsys):
     with pytest.raises(ValueError, match="the pieces were not submitted"):
         farm(options, submitted=False)
     assert len(report_page.json.loads((tmp_path / "report-3.items").read_text())["items"]) == 1  # the other is there
+    reads = []
+
+    def wait(_seconds):
+        folder = asked[-1][1]
+        if (folder / "finished.json").exists():
+            reads.append("too long")
+        elif reads:
+            (folder / "results" / "one").touch()
+            (folder / "finished.json").write_text('{"wrong": []}')
+    monkeypatch.setattr(report_page.time, "sleep", wait)
+    monkeypatch.setattr(report_page.report.Progress, "read", lambda _live, text: reads.append(text))
+    farm(options, finished=False)
+    assert reads == ["0 %", "100 %"]
     with pytest.raises(KeyboardInterrupt):
         farm(options, 130)
     asked.clear()

@@ -94,11 +94,13 @@ def test_a_table_is_sorted_by_mouse_and_by_key(browser):
     browser.run(f"{heads}[3].click()")
     up = column(browser, table, 3)
     assert up == sorted(before, key=float) and up != before
+    told = lambda: (browser.run("document.getElementById('said').textContent"), browser.run(f"getComputedStyle({heads}[3].firstElementChild, '::after').content"))
+    assert told() == ("Sorted by 20°, smallest first", '"↑"')
     browser.run(f"{heads}[3].focus()")
     browser.key("Enter", 13, "\r")
     assert column(browser, table, 3) == sorted(before, key=float, reverse=True)
     assert browser.run(f"{heads}[3].parentElement.getAttribute('aria-sort')") == "descending"
-    assert "20°" in browser.run("document.getElementById('said').textContent")
+    assert told() == ("Sorted by 20°, largest first", '"↓"')
     browser.key("Tab", 9)
     browser.key(" ", 32, " ")
     assert browser.run(f"{heads}[4].parentElement.getAttribute('aria-sort')") == "ascending"
@@ -108,6 +110,20 @@ def test_a_table_is_sorted_by_mouse_and_by_key(browser):
     assert browser.run("document.querySelectorAll('th[aria-sort]').length") == 1
     for sign in (1, -1):  # numbers, then texts, then what is empty, which a click does not bring to the top
         assert browser.run(f"[null, 'b', 3, 'a', null, 20].sort((a, b) => compare(a, b, {sign}))") == [[3, 20, "a", "b"], [20, 3, "b", "a"]][sign < 0] + [None] * 2
+    words = """(() => {
+      const made = document.createElement("table");
+      made.innerHTML = "<thead><tr><th>n</th></tr></thead><tbody>" + ["10 lobes", "", "one", "2 lobes"].map((word) => `<tr><td>${word}</td></tr>`).join("") + "</tbody>";
+      document.body.append(made);
+      const seen = [0, 1].map(() => (sortBy(made.rows[0].cells[0]), Array.from(made.tBodies[0].rows, (row) => row.textContent)));
+      made.remove();
+      return seen;
+    })()"""
+    assert browser.run(words) == [["2 lobes", "10 lobes", "one", ""], ["one", "10 lobes", "2 lobes", ""]]
+
+
+def styled(opened, *asked):
+    """Of the first of each selector, one of its properties, before or after it where there is a third word."""
+    return [opened.run(f"getComputedStyle(document.querySelector({one[0]!r}), {one[2] if len(one) > 2 else ''!r}).getPropertyValue({one[1]!r})") for one in asked]
 
 
 def test_links_lead_somewhere_and_nothing_complains(browser):
@@ -115,6 +131,15 @@ def test_links_lead_somewhere_and_nothing_complains(browser):
     target = browser.run("location.hash")
     browser.until(f"Math.abs(document.querySelector('{target}').getBoundingClientRect().top) < innerHeight")
     assert browser.run("document.querySelector(':target') !== null")
+    section = browser.run("document.querySelector(':target').closest('main > section').id")
+    browser.until(f"document.querySelector('nav a[aria-current]')?.hash === '#{section}'")
+    assert browser.run("document.querySelectorAll('nav a[aria-current]').length") == 1
+    accent, *seen = styled(browser, ("main a", "color"), (f"{target} h3", "color"), ("nav a[aria-current]", "color"), ("td.number", "text-align"), ("th.number", "text-align"), ("nav", "position"))
+    assert seen == [accent, accent, "right", "right", "sticky"]
+    browser.run("document.querySelector('.skip').focus()")
+    assert browser.run("document.querySelector('.skip').getBoundingClientRect().left") > 0 > browser.run("document.querySelector('#said').getBoundingClientRect().right")
+    browser.run("window.dispatchEvent(new Event('beforeprint'))")
+    assert browser.run("document.querySelectorAll('details').length") > 5 and browser.run("document.querySelectorAll('details:not([open])').length") == 0
     assert browser.said == []
 
 
@@ -205,7 +230,12 @@ def test_pages_can_be_read(request, tmp_path, which, name, dark):
         assert wide_parts(phone) == []
         assert phone.run("document.querySelectorAll('main figure svg').length") > 6
         assert phone.run(HARD_TO_READ) == []
+        if which == "quick":
+            shown = phone.run("Array.from(document.querySelectorAll('td'), (cell) => [cell.textContent === '', getComputedStyle(cell).display === 'none', "
+                              "cell.cellIndex && cell.textContent && !getComputedStyle(cell, '::before').content.startsWith(JSON.stringify(cell.dataset.head).slice(0, -1))])")
+            assert any(empty for empty, *_ in shown) and all(empty == hidden and not bare for empty, hidden, bare in shown)
         phone.size(1280, 900)
+        phone.until("document.querySelector('nav details').open")
         assert wide_parts(phone) == [] and phone.run(HARD_TO_READ) == []
         assert phone.said == []
 
@@ -217,6 +247,7 @@ def test_paper(request, tmp_path, which, name):
         sheets.call("Emulation.setEmulatedMedia", media="print", features=[])
         wide = sheets.run("Array.from(document.querySelectorAll('main svg, table'), (part) => "
                           "[part.parentElement.parentElement.id, part.getBoundingClientRect().right]).filter((at) => at[1] > 718)")
+        assert styled(sheets, ("nav", "display"), (".skip", "display")) == ["none"] * 2
         assert wide == [] and sheets.run("document.documentElement.scrollWidth") <= 718
         assert sheets.run("""Math.min(...Array.from(document.querySelectorAll("main svg text"), (text) =>
           parseFloat(getComputedStyle(text).fontSize) * text.ownerSVGElement.getBoundingClientRect().width

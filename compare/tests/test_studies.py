@@ -310,6 +310,7 @@ def test_charts(drawn):
         assert [(axes.get_title("left"), axes.get_xlabel(), axes.get_ylabel()) for axes in panels] == [panel[:3] for panel in wanted]
         for axes, (*_words, points) in zip(panels, wanted):
             assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+            assert [axis.get_major_formatter()(value, 0) for axis in (axes.xaxis, axes.yaxis) for value in (300, 1e-6)] == ["300", "10⁻⁶"] * 2  # no 10²
             assert {text.get_text() for text in axes.texts} == LABELS[name]
             found = bars_of(axes)
             assert np.array([(x[0], y[0]) for x, y in found]) == pytest.approx(np.array([at[:2] for at in points]))
@@ -438,6 +439,8 @@ def test_fibres_that_shade_and_hide_each_other():
     """From above and lit from there they are round: the mean of cos² over that of cos. What is beside a neighbour sees no low light."""
     up = np.array([[0.0, 0, 1]])
     assert study_diffuse.truth(up, up, 2000) == pytest.approx(np.pi / 4, abs=1e-5)
+    for side in (-1, 1):  # 60 degrees from above the next fibre's shadow ends at 60 degrees of this one, its own begins at -30: ∫ cos t cos (t - 60°) / 2
+        assert study_diffuse.truth(np.array([[0, side * .75**.5, .5]]), up, 20000) == pytest.approx((np.pi / 4 + .75**.5) / 4, abs=1e-4)
     side = lambda degrees: np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
     at = lambda degrees: np.array([[np.sin(np.radians(degrees))], [np.cos(np.radians(degrees))]])
     for turned, light, seen in ((0, 10, True), (60, 80, True), (60, 10, False), (-60, 10, False), (-20, 60, True), (89, 89, True), (89, 85, False), (60, 170, False)):

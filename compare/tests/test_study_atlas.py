@@ -180,6 +180,8 @@ def test_a_printed_form_of_any_width_has_the_librarys_albedo():
 
 def test_steps_are_jumps_and_slopes_are_none():
     """Across n's horizon `hard` cuts the lobe, the default does not; far from it neither steps."""
+    for angles in ((30, 20), (70, -130), (5, 110)):
+        assert atlas_facing.spherical(direction(*angles)) == pytest.approx(angles)
     n, light = direction(30, 45), direction(60, 45)[None]
     for eye, horizon, jumps in ((60, "hard", True), (60, "valid_estevez", False), (40, "hard", False)):
         material = shade.Material(ex=10, ey=5, fresnel="none", horizon=horizon)
