@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import displacement
 import gallery
@@ -304,6 +305,29 @@ def test_pictures_of_a_row_stand_on_one_line(tmp_path):
     labels = {one.text: float(one.get("y")) for one in root.iter("text")}
     assert ends == [labels["low"] - sheet.LINE, labels["tall"] - sheet.LINE, labels["below"] - sheet.LINE] and box[2]["y"] > labels["tall"]
     assert all(one.get(word) == other.get(word) for one, other in zip(root.iter("image"), root.iter("rect")) for word in ("x", "y", "width", "height"))
+
+
+def test_words_below_pictures(tmp_path):
+    """Two lines of a label, of 20 letters where they can, then its number in the softer ink; all within the drawing, above the next row."""
+    black = np.zeros((16, 8), np.uint8)
+    labels = {"one": ["one"], "a" * 10 + " " + "b" * 9: ["a" * 10 + " " + "b" * 9], "a" * 10 + " " + "b" * 10: ["a" * 10, "b" * 10], "a|b": ["a", "b"], "x" * 12 + " y z " + "w" * 12: ["x" * 12 + " y z", "w" * 12]}
+    for noted in (False, True):
+        rows = sheet.tiles(tmp_path, "f", [(label, black, *(("error {}", .12) if noted else ())) for label in labels])
+        for across in (2, 3):
+            root = ET.fromstring(sheet.svg(rows, across).replace("xlink:", ""))
+            _x, _y, wide, high = map(float, root.get("viewBox").split())
+            boxes = [{word: float(one.get(word)) for word in ("x", "y", "width", "height")} for one in root.iter("image")]
+            assert all(box["height"] == 112 == 2 * box["width"] and box["x"] + 112 <= wide for box in boxes) and wide == 360  # no less than a phone's
+            for place, (box, words) in enumerate(zip(boxes, labels.values())):
+                below = [one for one in root.iter("text") if float(one.get("x")) == box["x"] and 0 < float(one.get("y")) - box["y"] - box["height"] < 50]
+                assert [one.text for one in below] == words + ["error 12 %"] * noted
+                assert ["soft" in one.get("style") for one in below] == [k > 0 and k == len(below) - 1 for k in range(len(below))]
+                last = float(below[-1].get("y"))
+                assert last + 5 <= (boxes[place + across]["y"] if place + across < len(boxes) else high)
+    assert sheet.svg(rows * 2, 8).startswith(f'<svg viewBox="0 0 {8 * 124 - 12} ')
+    grey = np.tile(np.linspace(0, 255, 64).astype(np.uint8), (64, 1))
+    kept = np.asarray(Image.open(sheet.programs.BUILD / sheet.save(tmp_path, "ramp", grey))).astype(float)
+    assert np.abs(kept - grey).max() < 5
 
 
 def test_grey():
