@@ -651,3 +651,94 @@ def test_materials_are_of_this_world():
     ramp = made._normals(np.tile(np.arange(8) / 16, (8, 1)), 2.0)[:, 1:-1]
     assert np.allclose(np.linalg.norm(2 * ramp - 1, axis=-1), 1) and np.allclose(2 * ramp[..., 0] - 1, -2 * .125 / np.hypot(.25, 1)) and np.allclose(ramp[..., 1], .5)
     assert np.allclose(made._normals(np.tile(np.arange(8) / 16, (8, 1)).T, 2.0)[1:-1, :, 1], ramp[:, :, 0].T) and made._grey(np.array([[-1, .5, 2]])).tolist() == [[[0] * 3, [.5] * 3, [1] * 3]]
+
+
+# Of nodes that the materials are made of: inputs, outputs; * is a colour, - is off
+NODES = {"OutputMaterial": ("Surface Displacement", ""), "BsdfPrincipled": ("*Base_Color Roughness Specular Clearcoat", "BSDF"), "TexCoord": ("", "Generated Object UV"),
+         "Mapping": ("Vector Scale Rotation", "Vector"), "TexNoise": ("Vector -W Scale Detail Roughness Distortion", "-Fac Factor *Color"), "TexMusgrave": ("Vector Scale Detail", "Fac"),
+         "TexVoronoi": ("Vector Scale Randomness", "Distance *Color"), "TexWave": ("Vector Scale Distortion Detail", "*Color Fac"), "ValToRGB": ("Fac", "*Color Alpha"),
+         "MapRange": ("Value From_Min From_Max To_Min To_Max", "Result"), "Math": ("Value Value Value", "Value"), "Mix": ("Factor -Factor -A -B *A *B", "-Result *Result"),
+         "Bump": ("Strength Distance Height Normal", "Normal"), "MixShader": ("Fac Shader Shader", "Shader"), "AddShader": ("Shader Shader", "Shader"), "TexImage": ("Vector", "*Color Alpha")}
+
+
+@pytest.mark.parametrize("version", [(3, 4), (5, 0)])
+def test_nodes_of_materials(monkeypatch, version):
+    """By words of today's Blender in whichever there is; what an input is given is a value, or the first output of a node that is on."""
+    def sockets(words):
+        return [SimpleNamespace(name=word.lstrip("*-").replace("_", " "), type="RGBA" if "*" in word else "VALUE", enabled="-" not in word, default_value=None) for word in words.split()]
+    made, images = [], []
+
+    def node(kind):
+        made.append(SimpleNamespace(kind=kind.removeprefix("ShaderNode"), **dict(zip(("inputs", "outputs"), map(sockets, NODES[kind.removeprefix("ShaderNode")])))))
+        if made[-1].kind == "ValToRGB":
+            elements = [SimpleNamespace(), SimpleNamespace()]
+            made[-1].color_ramp = SimpleNamespace(elements=MagicMock(new=lambda _at: elements.append(SimpleNamespace()), __len__=lambda _self: len(elements), __iter__=lambda _self: iter(elements)))
+        return made[-1]
+    link = lambda output, socket: setattr(socket, "default_value", output)
+    tree = MagicMock(nodes=MagicMock(new=node), links=MagicMock(new=link))
+    tree.name = "tile"
+    bpy = MagicMock(app=SimpleNamespace(version=version), types=SimpleNamespace(**({"ShaderNodeTexMusgrave": 1} if version < (4, 0) else {})))
+    material = bpy.data.materials.new.return_value = SimpleNamespace(node_tree=tree, use_nodes=False, use_fake_user=False)
+    bpy.data.images.new = lambda *words: images.append((words, MagicMock())) or images[-1][1]
+    monkeypatch.setitem(sys.modules, "bpy", bpy)
+    monkeypatch.delitem(sys.modules, "materials_make", raising=False)
+    module = importlib.import_module("materials_make")
+    monkeypatch.delitem(sys.modules, "materials_make")
+    m = module.Maker("tile")
+    assert bpy.data.materials.new.call_args.args == ("tile",) and material.use_fake_user and material.use_nodes == (version < (5, 0)) and tree.nodes.clear.called
+
+    def of(shader, kind, properties=(), output=0, **inputs):
+        """What it is linked by is an output of a node of that kind, which has these properties and inputs, by name or k for the kth that is on."""
+        seen = shader.output()
+        one = next(one for one in made if any(seen is socket for socket in one.outputs))
+        given = {socket.name.replace(" ", "_"): socket.default_value for socket in one.inputs if socket.enabled and socket.default_value is not None}
+        numbered = [socket.default_value for socket in one.inputs if socket.enabled]
+        assert one.kind == kind and [socket for socket in one.outputs if socket.enabled][output] is seen and {name: getattr(one, name) for name in dict(properties)} == dict(properties)
+        assert numbered == inputs["all"] if "all" in inputs else given == inputs, (kind, given)
+        return one
+    at = m.place(2)
+    coordinates = next(one for one in made if one.kind == "TexCoord").outputs
+    of(at, "Mapping", Vector=coordinates[1], Scale=(2, 2, 2), Rotation=(0, 0, 0))
+    of(m.place((1, 2, 3), "UV", (0, 0, 1)), "Mapping", Vector=[one for one in made if one.kind == "TexCoord"][1].outputs[2], Scale=(1, 2, 3), Rotation=(0, 0, 1))
+    place, grain = at.output(), m.noise(at, 3, 8, 0.55, 0.6)
+    of(grain, "TexNoise", Vector=place, Scale=3, Detail=8, Roughness=0.55, Distortion=0.6)
+    of(m.noise(color=True), "TexNoise", output=1, Scale=5, Detail=2, Roughness=0.5, Distortion=0)
+    if version < (4, 0):
+        of(m.musgrave(at, 4, 5, "HETERO_TERRAIN"), "TexMusgrave", {"musgrave_type": "HETERO_TERRAIN"}, Vector=place, Scale=4, Detail=5)
+    else:  # the same, whose first octave is counted otherwise
+        of(m.musgrave(at, 4, 5), "TexNoise", {"noise_type": "FBM", "normalize": False}, Vector=place, Scale=4, Detail=4)
+    of(m.voronoi(at, 12, "DISTANCE_TO_EDGE", Randomness=0.5), "TexVoronoi", {"feature": "DISTANCE_TO_EDGE"}, Vector=place, Scale=12, Randomness=0.5)
+    of(m.voronoi(at, 12, output="Color"), "TexVoronoi", {"feature": "F1"}, 1, Vector=place, Scale=12)
+    of(m.wave(at, 30, 0.5, "RINGS", way="Z"), "TexWave", {"wave_type": "RINGS", "wave_profile": "SIN", "rings_direction": "Z"}, 1, Vector=place, Scale=30, Distortion=0.5, Detail=2)
+    of(m.wave(at, 9, detail=3, profile="SAW"), "TexWave", {"wave_type": "BANDS", "wave_profile": "SAW", "bands_direction": "X"}, 1, Vector=place, Scale=9, Distortion=0, Detail=3)
+    ramp = of(m.ramp(grain, (0.2, (0.1, 0.2, 0.3)), (0.5, 0.25), (0.7, 1), how="CONSTANT"), "ValToRGB", Fac=grain.output()).color_ramp
+    assert [(one.position, one.color) for one in ramp.elements] == [(0.2, (0.1, 0.2, 0.3, 1)), (0.5, (0.25, 0.25, 0.25, 1)), (0.7, (1, 1, 1, 1))] and ramp.interpolation == "CONSTANT"
+    of(m.range(grain, 0.35, 0.6, -1, 2), "MapRange", Value=grain.output(), From_Min=-1, From_Max=2, To_Min=0.35, To_Max=0.6)
+    of(m.math("MULTIPLY_ADD", grain, 2, 3), "Math", {"operation": "MULTIPLY_ADD"}, all=[grain.output(), 2, 3])
+    of(m.color("MULTIPLY", 0.3, (0.1, 0.2, 0.3), 0.5), "Mix", {"data_type": "RGBA", "blend_type": "MULTIPLY"}, all=[0.3, (0.1, 0.2, 0.3, 1), (0.5, 0.5, 0.5, 1)])
+    bump = m.bump(grain, 0.8, 0.03, invert=True)
+    of(bump, "Bump", {"invert": True}, Height=grain.output(), Strength=0.8, Distance=0.03)
+    of(m.bump(grain, normal=bump), "Bump", {"invert": False}, Height=grain.output(), Strength=0.3, Distance=0.1, Normal=bump.output())
+    shader = m.principled(Base_Color=0.5, Roughness=grain, Specular_IOR_Level=0.3, Coat_Weight=0.4, Coat_Tint=(1, 1, 1))  # the last is left out where there is none
+    of(shader, "BsdfPrincipled", **{"Base_Color": (0.5, 0.5, 0.5, 1), "Roughness": grain.output(), "Specular": 0.3, "Clearcoat": 0.4})
+    with pytest.raises(KeyError, match="no socket 'Rougness' among .*'Roughness'"):
+        m.principled(Rougness=0.5)
+    of(m.mix(0.3, shader, bump), "MixShader", all=[0.3, shader.output(), bump.output()])
+    of(m.add(shader, bump), "AddShader", all=[shader.output(), bump.output()])
+    pixels = np.arange(24).reshape(2, 4, 3) / 24
+    for data in (False, True):
+        shown = of(m.image(pixels, at, data), "TexImage", Vector=place)
+        words, image = images[-1]
+        assert words == ("tile", 4, 2) and shown.image is image and image.pack.called and (image.colorspace_settings.name == "Non-Color") == data
+        assert np.allclose(image.pixels.foreach_set.call_args.args[0].reshape(2, 4, 4), np.concatenate([pixels, np.ones((2, 4, 1))], 2))
+    m.surface(shader)
+    m.displaced(bump)
+    assert [socket.default_value for socket in m.end.node.inputs] == [shader.output(), bump.output()]
+    built = []
+    monkeypatch.setattr(module.materials_list, "BUILDERS", {"one": lambda maker: built.append(maker) or shader})
+    monkeypatch.setattr(module.materials_list, "STRANDS", {"hair_two": lambda maker: built.append(maker) or shader})
+    monkeypatch.setattr(module.os, "_exit", lambda status: built.append(status))
+    module.main("x.blend")
+    assert len(built) == 3 and built[2] == 0 and all(maker.end.node.inputs[0].default_value is shader.output() for maker in built[:2])
+    assert [call.args[0] for call in bpy.data.materials.new.call_args_list[-2:]] == ["one", "hair_two"]
+    assert bpy.ops.wm.read_factory_settings.call_args.kwargs == {"use_empty": True} and bpy.ops.wm.save_as_mainfile.call_args.kwargs == {"filepath": "x.blend"}
