@@ -278,6 +278,24 @@ def test_steep_bumps_as_truth_py_renders_them(monkeypatch, tmp_path):
                         ("steep-letter", "letter|Cycles", (pytest.approx(.3), white), "error {}", .3)]
 
 
+@pytest.mark.parametrize("surface, words", [("waves", []), ("scratches", ["--surface", "scratches"])])
+def test_meshes_as_truth_py_renders_them(monkeypatch, tmp_path, surface, words):
+    """Whether or not its own limits are kept; of the whole run alone, as `make compare` asks for it."""
+    asked, said = [], []
+
+    def step(what, command, log, allowed):
+        asked.append((what, command, log, allowed))
+        (tmp_path / "out").mkdir()
+        (tmp_path / "out" / "truth.json").write_text(json.dumps({"errors": {"rotate": .01, study_truth.CYCLES: .4}, "compared": 77}))
+    monkeypatch.setattr(study_truth.report, "step", step)
+    rows = study_truth.rendered(surface)(tmp_path, said.append)
+    assert rows == [{"kind": "rendered", "surface": surface, "method": method, "error": error, "compared": 77} for method, error in (("rotate", .01), (study_truth.CYCLES, .4))]
+    command = [str(programs.BUILD / "venv/bin/python"), str(programs.HERE / "truth.py"), *words, "--size", "256", "--samples", "128", "--output", str(tmp_path / "out")]
+    assert asked == [(f"truth.py, {surface}", command, tmp_path / "log", (0, 1))] and said == ["rendering"] and not (tmp_path / "out").exists()
+    task, = (task for task in study_truth.tasks(False) if task.key == f"rendered-{surface}")
+    assert task.command == " ".join(["compare/truth.py", *words, "--size 256 --samples 128"]) and task.key not in {task.key for task in study_truth.tasks(True)}
+
+
 def test_sheets_and_tables(rows, tmp_path):
     entries = [e for e in gallery.ENTRIES if e.id in ("fabric-3", "rotation-5")]
     shown = rows + gallery.make(entries, tmp_path, 24, lambda text: None)
@@ -292,6 +310,25 @@ def test_sheets_and_tables(rows, tmp_path):
     assert not any("></text>" in figure.svg for figure in drawn.values())  # an empty line has no height on a phone
     for table in study_truth.tables(shown):
         assert table.rows and all(len(row) == len(table.columns) for row in table.rows)
+
+
+def test_tables_by_the_row():
+    """In per cent where a head says so; beside a total variation the figure that was there before, of the one material that has one."""
+    lobe = lambda material, method, tilt: {"kind": "lobe", "material": material, "method": method, "tilt": tilt, "variation": .06, "energy": .9}
+    found = {table.id: (table.columns, table.rows) for table in study_truth.tables([
+        {"kind": "picture", "base": "plate", "bumps": "waves", "slope": .5, "material": "m", "method": "perturb", "error_point": .5, "error": .25, "brightness": 1.5},
+        lobe(G, "gram_schmidt", 20.0), lobe(displacement.ROUND, "gram_schmidt", 20.0), lobe(G, "rotate_approximate", 45.0),
+        {"kind": "diffuse", "method": "fibre_view", "elevation": 30, "error": .125, "worst": .75, "brightness": 1.25},
+        {"kind": "cloth", "cloth": "wool_flannel", "colour_far": .01, "colour_single": .2, "standard_error": .005},
+        {"kind": "rendered", "surface": "waves", "method": "gram_schmidt", "error": .25}, {"kind": "steep", "surface": "letter", "sky": "city", "method": "mutual", "error": .125}])}
+    assert found == {
+        "errors": (("base", "bumps", "slope", "material", "method", "error of the lobe, %", "error as seen, %", "brightness"), [["plate", "waves", .5, "m", "perturb", 50, 25, 1.5]]),
+        "lobes": (("material", "tilt, °", "method", "total variation", "energy", "design"), [[G, 20, "Gram-Schmidt", .06, .9, .051], [displacement.ROUND, 20, "Gram-Schmidt", .06, .9, None],
+                                                                                             [G, 45, "rotate, approximate", .06, .9, None]]),
+        "fibres": (("model", "eye's elevation, °", "error, %", "worst difference of Phi", "brightness"), [["fibre, view", 30, 12.5, .75, 1.25]]),
+        "cloth": (("cloth", "far, %", "one lobe, %", "standard error of the truth, %"), [["wool flannel", 1, 20, .5]]),
+        "rendered": (("surface", "method", "error, %"), [["waves", "Gram-Schmidt", 25]]), "steep": (("surface", "sky", "method", "error, %"), [["letter", "city", "mutual", 12.5]])}
+    assert [table.id for table in study_truth.tables([])] == ["errors", "lobes", "fibres", "cloth"]
 
 
 def test_pictures_of_a_row_stand_on_one_line(tmp_path):
