@@ -190,6 +190,70 @@ def test_steps_are_jumps_and_slopes_are_none():
         assert (swap[0] > 1e-6) == (horizon == "valid_estevez")
 
 
+def test_rows_say_where_it_is_worst():
+    """Light, eye and normal of a row give its number, and none of those that were tried gives more."""
+    def asymmetry(horizon, tilt, azimuth, eye, light):
+        material = FORMS["rotate"].material(horizon=horizon)
+        there, back = (float(shade.eval(material, direction(tilt, azimuth), *both).f[..., 0]) for both in ((light, eye), (eye, light)))
+        return abs(there - back) / max(there, back) if max(there, back) > 1e-3 else 0
+
+    row, = (row for row in atlas_measures.pairs("rotate", "valid_estevez", 30, (30, 75), (0, 45), 3) if (row["eye"], row["light"]) == (75, 30))
+    tried = {(azimuth, a, b): asymmetry("valid_estevez", 30, azimuth, direction(75, a), direction(30, b)) for azimuth in (0, 45) for a in (10, 130, 250) for b in (10, 130, 250)}
+    at = row["azimuth"], row["eye_azimuth"], row["light_azimuth"]
+    assert tried[at] == pytest.approx(row["asymmetry"], rel=1e-5) == max(tried.values()) and row["asymmetry"] > 0.01
+    assert max(row["asymmetry"] for row in atlas_measures.pairs("rotate", "hard", 30, (30, 75), (0, 45), 3)) < 1e-5
+    for which, other, angle in (("eye", "light", 75), ("light", "eye", 60)):
+        row, = atlas_facing.facing("rotate", "valid_estevez", which, [30], [angle], (0, 45), 24 if which == "light" else 0)
+        for name in ("asymmetry", "jump"):
+            n, fixed = direction(30, row[f"{name}_azimuth"]), direction(angle, row[f"{name}_{which}_azimuth"])
+            far = direction(row[f"{name}_{other}"], row[f"{name}_{other}_azimuth"])
+            if name == "asymmetry":
+                pair = (fixed, far) if which == "eye" else (far, fixed)
+                assert asymmetry("valid_estevez", 30, row["asymmetry_azimuth"], *pair) == pytest.approx(row[name], rel=1e-4) and row[name] > 0.5
+            else:
+                found = atlas_facing.stepped(FORMS["rotate"].material(horizon="valid_estevez"), n, fixed, atlas_facing.others(fixed, n), which)
+                assert found.max() == pytest.approx(row[name]) and np.allclose(atlas_facing.others(fixed, n)[found.argmax()], far)
+        assert (row["map"], row[which], row["tilt"], row["nan"], "albedo" in row) == (which, angle, 30, 0, which == "light")
+    material = FORMS["rotate"].material(horizon="valid_estevez")
+    beams = {(azimuth, azimuth + turn): atlas_facing.returned(material, direction(30, azimuth), direction(60, azimuth + turn), 24, 0.07) for azimuth in (0, 45) for turn in (0, 90, 180, 270)}
+    assert row["albedo"] == pytest.approx(beams[row["azimuth"], row["light_azimuth"]]) == max(beams.values())
+
+    row, = atlas_measures.grazing("rotate", "hard", [60], [45], 256, (0, 45), 4)
+    found = {}
+    for azimuth in (0, 45):
+        for turn in (0, 90, 180, 270):
+            drawn = shade.sample(FORMS["rotate"].material(horizon="hard"), direction(60, azimuth), direction(45, turn), atlas_measures.numbers(256))
+            weights = np.where(drawn.pdf > 0, drawn.f[:, 0] * drawn.cosine / np.where(drawn.pdf > 0, drawn.pdf, 1), 0)
+            found[azimuth, turn] = weights.mean(), weights.std() / weights.mean() if weights.mean() > 0.05 else 0
+    assert row["albedo"] == pytest.approx(found[row["azimuth"], row["eye_azimuth"]][0], rel=1e-5) == pytest.approx(max(albedo for albedo, _ in found.values()), rel=1e-5)
+    assert row["spread"] == pytest.approx(found[row["spread_azimuth"], row["spread_eye_azimuth"]][1], rel=1e-4) == pytest.approx(max(spread for _, spread in found.values()), rel=1e-4)
+
+
+def test_points_and_means_that_are_known():
+    """A fibre lit from above and from its side; powers of a cosine along x and y where the azimuth has no limit; D' of a form that ignores n."""
+    assert atlas_measures.over_fibre(np.array([[0, 0, 1.0], [0, 1, 0], [1, 0, 0]])) == pytest.approx([2 / np.pi, 1 / np.pi, 0], abs=1e-6)
+    rows = atlas_measures.fibre([0, 60], [90, 180])
+    assert [(row["theta"], row["azimuth"]) for row in rows] == [(0, 90), (0, 180), (60, 90), (60, 180)] and max(row["library_error"] for row in rows) < 1e-5
+    jumps = {(row["form"], row["place"]): row["jump"] for row in atlas_measures.jumps() if row["distance"] == 1e-6}
+    c = np.cos(np.radians(20))
+    assert jumps["perturb", "h = z"] == pytest.approx(c**10 - c**200, rel=1e-3) and jumps["rotate", "h = z"] < 1e-3
+    edges = {(row["horizon"], row["place"]): row["jump"] for row in atlas_measures.horizons() if row["distance"] == 1e-6}
+    assert {horizon for horizon, _place in edges} == set(atlas_forms.HORIZONS)
+    assert all((edges[horizon, place] > 1e-3) == (horizon == "hard") for horizon in ("hard", "valid_estevez") for place in ("wi.z = 0", "n·wo = 0"))
+    points = atlas_measures.numbers(4096)
+    assert points.shape == (4096, 2) and np.ptp(np.histogram2d(*points.T, bins=8, range=[[0, 1]] * 2)[0]) < 16
+    rows = atlas_measures.lobe("none", [40], (20, 70), 60, 48)
+    assert [row["size"] for row in rows] == [0, 0.1, 1, 10, 100, 1e3, 1e4, 1e5, 1e6] and {row["tilt"] for row in rows} == {40} and not any(row["nan"] for row in rows)
+    for row in rows:
+        assert row["energy"] == pytest.approx(1, abs=0.02) and row["azimuth"] in (20, 70)
+        assert row["size"] < 10 or row["displaced"] == pytest.approx(40, abs=0.5), row  # a wide one is largest along the widest part of its arc
+    wide = atlas_facing.widths("none", [30, 80])
+    assert len(wide) == 18 and max(row["jump"] for row in wide) < 1e-2 and not any(row["nan"] for row in wide)
+    found = {(row["form"], row["size"]): row["error"] for row in atlas_measures.rounded([40], (1, 1e6))}
+    assert list(found) == [(word, size) for size in (1, 1e6) for word in ("literal", "common", "float", "double")]
+    assert found["double", 1e6] < 1e-8 and found["float", 1e6] < 1e-4 < 1e-2 < found["literal", 1e6] and found["literal", 1] < 1e-5
+
+
 # ---- findings -----------------------------------------------------------------------------------------------
 
 @pytest.fixture(scope="module")
