@@ -233,7 +233,10 @@ def test_pages_can_be_read(request, tmp_path, which, name, dark):
         if which == "quick":
             shown = phone.run("Array.from(document.querySelectorAll('td'), (cell) => [cell.textContent === '', getComputedStyle(cell).display === 'none', "
                               "cell.cellIndex && cell.textContent && !getComputedStyle(cell, '::before').content.startsWith(JSON.stringify(cell.dataset.head).slice(0, -1))])")
+            assert name != "report" or styled(phone, (".answers td", "content", "::before"), (".answers thead", "display")) == ['"If your surface "', "none"]
             assert any(empty for empty, *_ in shown) and all(empty == hidden and not bare for empty, hidden, bare in shown)
+        phone.size(900, 900)
+        assert phone.run("fold(), document.querySelector('nav details').open") is False  # the text has all of the width
         phone.size(1280, 900)
         phone.until("document.querySelector('nav details').open")
         assert wide_parts(phone) == [] and phone.run(HARD_TO_READ) == []

@@ -248,8 +248,14 @@ def test_points_and_means_that_are_known():
         assert row["energy"] == pytest.approx(1, abs=0.02) and row["azimuth"] in (20, 70)
         assert row["size"] < 10 or row["displaced"] == pytest.approx(40, abs=0.5), row  # a wide one is largest along the widest part of its arc
     wide = atlas_facing.widths("none", [30, 80])
+    ends, fades = ({row["size"]: row for row in atlas_facing.widths(word, [30])} for word in ("ggx_rotate", "beckmann_rotate"))  # at the carried horizon, 90° off n
+    assert ends[1]["theta"] == ends[10]["theta"] == -60 and ends[1]["jump"] > 1 and fades[1]["jump"] < 1e-4
     assert len(wide) == 18 and max(row["jump"] for row in wide) < 1e-2 and not any(row["nan"] for row in wide)
-    found = {(row["form"], row["size"]): row["error"] for row in atlas_measures.rounded([40], (1, 1e6))}
+    rows = atlas_measures.rounded([40], (1, 1e6))
+    for row in (row for row in rows if row["size"] == 1e6):  # of the wide axis, whose exponent is a twentieth
+        n, h = (direction(row[f"{v}_theta"], row[f"{v}_phi"]) for v in "nh")
+        assert min(abs(np.linalg.norm(np.cross(n, h)) * np.sqrt(1e6 / 20) / wide - 1) for wide in (0.2, 0.7, 1.5, 3)) < 0.01
+    found = {(row["form"], row["size"]): row["error"] for row in rows}
     assert list(found) == [(word, size) for size in (1, 1e6) for word in ("literal", "common", "float", "double")]
     assert found["double", 1e6] < 1e-8 and found["float", 1e6] < 1e-4 < 1e-2 < found["literal", 1e6] and found["literal", 1] < 1e-5
 

@@ -495,3 +495,10 @@ def test_discs_of_half_vectors():
     shown = {"displaced": np.array([[0, 1.0, 2]] * 4), "other": np.array([[0, 1.0, 4]] * 4)}
     toned = metal.tone(shown)
     assert toned["displaced"].max() == 255 and toned["other"][0, 1].max() == toned["displaced"][0, 1].max() and metal.tone({"displaced": np.zeros((2, 2))})["displaced"].max() == 0
+    # scratches: of one pit its area, π r², stretched or not; many lie along the grooves where they may lean by 30° alone, and deeper ones lean more
+    seen = {word: normals / 127.5 - 1 for word, normals in metal.scratch_maps(None, 96)}
+    part = {word: (np.abs(n - (0, 0, 1)).max(-1) > .02).mean() for word, n in seen.items()}
+    assert (part["one pit"], part["one, stretched"]) == (pytest.approx(np.pi * .3**2, rel=.05), pytest.approx(np.pi * .1 * .4, rel=.05)) and min(part["pits"], part["deeper"]) > .4
+    lean = {word: (n[..., 0]**2).mean() / (n[..., 1]**2).mean() for word, n in seen.items()}
+    assert all(.7 < lean[word] < 1.4 for word in ("one pit", "pits", "any direction")) and max(lean["within 30°"], lean["deeper"]) < .25 and lean["one, stretched"] < .2
+    assert 1 - seen["deeper"][..., 2].mean() > 3 * (1 - seen["within 30°"][..., 2].mean())
