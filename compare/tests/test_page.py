@@ -15,7 +15,7 @@ import report_page
 import study
 import style
 
-COST = 1.7
+COST = 1.8
 
 
 def section(**parts):

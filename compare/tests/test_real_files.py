@@ -15,7 +15,7 @@ import pictures
 import real_files
 import real_files_fetch
 
-COST = 0.8
+COST = 1.1
 
 
 def row(state, difference="", warnings=""):

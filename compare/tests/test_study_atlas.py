@@ -13,6 +13,7 @@ from PIL import Image
 import atlas_at
 import atlas_charts
 import atlas_facing
+import atlas_findings
 import atlas_forms
 import atlas_measures
 import atlas_regions
@@ -21,7 +22,7 @@ import study_atlas
 from atlas_forms import FORMS, dot
 from atlas_measures import direction
 
-COST = 11.4
+COST = 8
 TOGETHER = "report"
 
 H, SOLID = atlas_measures.hemisphere(160, 320)
@@ -309,10 +310,17 @@ def test_findings_hold(rows):
     assert all(sum(word in f.text for f in found) == 1 for word in ALTERED) and len(found) == len(ALTERED)
 
 
+@pytest.fixture(scope="module")
+def told(rows):
+    """{what makes a sentence: the sentence}."""
+    return {one: one(rows).text for one in atlas_findings.ALL}
+
+
 @pytest.mark.parametrize("word", ALTERED)
-def test_altered_rows_falsify(rows, word):
-    finding, = (f for f in study_atlas.findings(ALTERED[word](rows)) if word in f.text)
-    assert not finding.holds
+def test_altered_rows_falsify(rows, told, word):
+    one, = (one for one, text in told.items() if word in text)
+    finding = one(ALTERED[word](rows))
+    assert word in finding.text and not finding.holds
 
 
 # ---- regions, maps, commands ----------------------------------------------------------------------------------

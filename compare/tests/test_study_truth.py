@@ -17,7 +17,7 @@ import sheet
 import slopes
 import study_truth
 
-COST = 2.6
+COST = 3.2
 TOGETHER = "report"
 
 if not displacement.PROGRAM.exists():
@@ -307,6 +307,8 @@ def test_sheets_and_tables(rows, tmp_path):
         assert figure.alt and "nan" not in figure.caption
     assert "100 % is weft by the formula as printed" in drawn["fabric-3"].caption
     assert drawn["rotation-5"].svg.count("data:image/png;base64,") == 6
+    for _label, pixels, _what, weft in gallery_cloth.elements(tmp_path, 45):  # weft is bright, whoever says what lies on top
+        assert (pixels[pixels > 20] == 215).mean() == pytest.approx(weft, abs=.03)
     assert not any("></text>" in figure.svg for figure in drawn.values())  # an empty line has no height on a phone
     for table in study_truth.tables(shown):
         assert table.rows and all(len(row) == len(table.columns) for row in table.rows)
