@@ -619,7 +619,8 @@ def test_sizes_of_lobes_are_called_what_they_are(rows):
 def test_rounding_is_told_where_it_was_found(rows):
     """The normal leans as far as its row says, towards one of three sides, and h stands off it."""
     found = [row for row in rows if row["map"] == "float"]
-    assert found
+    assert {row["size"] for row in found} == {10.0**k for k in range(7)} and {row["tilt"] for row in found} >= set(range(0, 90, 10))
+    assert all(len(set(np.diff(sorted({row["tilt"] for row in rows if row["map"] == name})))) == 1 for name in ("lobe", "wide", "grazing"))  # a map's rows are as far apart
     for row in found:
         n, h = (direction(row[f"{v}_theta"], row[f"{v}_phi"]) for v in "nh")
         assert row["n_theta"] == pytest.approx(row["tilt"], abs=1e-3) and (row["tilt"] == 0 or min(abs(row["n_phi"] - a) for a in (0, 35, 90)) < 1e-3)
