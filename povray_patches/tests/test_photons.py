@@ -21,19 +21,20 @@ WALL = "box { <1, -9, -9>, <1.1, 9, 9> pigment { rgb 1 } finish { ambient 0 diff
 @pytest.fixture
 def thrown(render):
     """What photons add to the wall. layer: of the plate's texture, above its own."""
-    def picture(plate, more="", size=(24, 24), layer=""):
+    def picture(plate, more="", size=(24, 24), layer="", light=LIGHT):
         made = PLATE.format(plate)
         start, end = made.index("pigment"), made.index(" photons")
         made = f"{made[:start]}texture {{ {made[start:end]} }} {layer}{made[end:]}"
-        with_photons, without = (render(scene(WALL + made + more, LIGHT, HEADER.replace("PHOTONS", settings)), size, dump=False).image
+        with_photons, without = (render(scene(WALL + made + more, light, HEADER.replace("PHOTONS", settings)), size, dump=False).image
                                  for settings in (PHOTONS, "global_settings { assumed_gamma 1 }\n"))
         return with_photons - without
     return picture
 
 
 def test_a_polished_block_throws_what_a_mirror_does(thrown):
-    mirror = thrown("reflection rgb <.8, .6, .3>").mean((0, 1))
-    block = thrown("mdf { ggx .01, .01 specular rgb <.8, .6, .3> reflection { } }").mean((0, 1))
+    warm = LIGHT.replace("rgb 1", "rgb <1, .7, .9>")
+    mirror = thrown("reflection rgb <.8, .6, .3>", light=warm).mean((0, 1))
+    block = thrown("mdf { ggx .01, .01 specular rgb <.8, .6, .3> reflection { } }", light=warm).mean((0, 1))
     assert mirror[0] > .05
     assert block == pytest.approx(mirror, rel=.03)
     assert (thrown("mdf { ggx .01, .01 }") == 0).all()
