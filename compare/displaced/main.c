@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* build/displaced: the command line. study_truth.py runs it; see the usage below. */
-#define _POSIX_C_SOURCE 200809L /* strtok_r, vsnprintf's length */
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -107,14 +106,17 @@ static int word_of(const char *const *words, int count, const char *text, int *v
   return 0;
 }
 
-static int read_methods(scene *sc, char *text) {
-  char *rest = NULL;
+static int read_methods(scene *sc, const char *text) {
   sc->methods = 0;
-  for (char *word = strtok_r(text, ",", &rest); word; word = strtok_r(NULL, ",", &rest)) {
+  for (text += strspn(text, ","); *text; text += strspn(text, ",")) {
+    char word[32] = "";
+    const size_t length = strcspn(text, ",");
+    memcpy(word, text, length < sizeof word ? length : 0);
     const int value = shade_list_find(SHADE_LIST_DETAIL, word);
     if (value < 0 || sc->methods == SHADE_DETAIL_COUNT)
       return 0;
     sc->method[sc->methods++] = value;
+    text += length;
   }
   return sc->methods > 0;
 }
