@@ -10,7 +10,7 @@ import pytest
 
 import steep_bumps as bumps
 
-COST = 3.1
+COST = 3.5
 
 
 def traced(tmp_path, *order):
@@ -33,6 +33,11 @@ def test_the_truth_is_what_other_programs_found(tmp_path, surface, wanted):
         assert found[30.0, 0.6, light, "displaced"] == pytest.approx(value, rel=0.03), light
     # with light from everywhere a white metal of smooth facets keeps it all, however bumped; what is lost is the facets'
     assert 0.85 < found[30.0, 1.0, "even", "displaced"] < 0.93
+    # sun and eye trade places: what bumps hide of one they shade of the other
+    there, back = (sum(found[eye, 1.0, f"sun_{sun}_{turn}", "displaced"] * math.sin(math.radians(eye))
+                       for turn in (0, 90, 180) for eye, sun in pairs)
+                   for pairs in (((15.0, 30), (15.0, 60)), ((30.0, 15), (60.0, 15))))
+    assert there == pytest.approx(back, rel=0.12)
 
 
 def test_without_bumps_every_way_is_the_displaced_one(tmp_path):
@@ -51,6 +56,16 @@ def test_without_bumps_every_way_is_the_displaced_one(tmp_path):
     for eye in (15.0, 30.0, 60.0):  # of suns as high as the eye that one shines which is behind the surface
         suns = [found[eye, 1.0, f"sun_{eye:g}_{turn}", "displaced"] for turn in (0, 90, 180)]
         assert suns[2] > 100 * max(suns[:2]) and suns[2] > 50 and suns[2] > 100 * found[eye, 1.0, "sun_5_180", "displaced"], (eye, suns)
+
+
+def test_ridges_run_along_the_eye_or_across_it(tmp_path):
+    """Mirrors that lean to the sides alone, however often they are met, send no light back to where the eye is: of a patch there
+    nothing but the sky's least is seen. Those across the eye's way send a good part."""
+    for surface, eyes, least, most in (("ridges_along", (15.0, 45.0, 75.0), 0.199, 0.202), ("ridges_across", (45.0,), 0.5, 2)):
+        found = traced(tmp_path, surface, 1, ("ggx", 0.001, 0.001), 200)
+        for eye in eyes:
+            behind, even = (found[eye, 1.0, sky, "displaced"] for sky in ("patch_behind", "even"))
+            assert least < behind / even < most, (surface, eye)
 
 
 def test_of_an_uneven_field_slopes_near_a_point_count(tmp_path):

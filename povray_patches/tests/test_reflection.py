@@ -180,8 +180,11 @@ def test_clamp_holds_what_a_ray_brings(render):
 @pytest.mark.parametrize("finish, share", [("ambient .3 diffuse 0", 0.3), ("ambient 0 diffuse 0", 0.0)])
 def test_without_it_ambient_light_counts(render, finish, share):
     """The library's albedo is a table: within .02 [albedo.h]."""
-    found = mean(render(scene("", "background { rgb 1 }", finish), dump=False))
+    text = scene("", "background { rgb 1 }", finish)
+    found = mean(render(text, (32, 24), dump=False))
     assert found == CLOSE(share * albedo() * COLOUR, abs=0.02 * share + 1e-6)
+    lit = mean(render(text.replace("assumed_gamma 1", "assumed_gamma 1 ambient_light rgb <2, .5, 1>"), (32, 24), dump=False))
+    assert lit == CLOSE(found * [2, .5, 1], rel=2e-3)
 
 
 def test_radiosity_lights_metal(render):
