@@ -109,8 +109,8 @@ def test_whole_script(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("arguments, status", [
-    ((), 2), (("x.csv", "0"), 2), (("x.csv", "12x"), 2), (("x.csv", "4", "2", "1"), 2), (("x.csv", "513"), 2), (("x.csv", "4", "0"), 2),
-    (("x.csv", "4", "361"), 2), (("x.csv", ""), 2), (("--points",), 2),
+    ((), 2), (("x.csv", "0"), 2), (("x.csv", "12x"), 2), (("x.csv", "4", "2", "1"), 2),
+    (("x.csv", "513"), 2), (("x.csv", "4", "0"), 2), (("x.csv", "4", "361"), 2), (("x.csv", ""), 2), (("--points",), 2),
     (("missing/x.csv",), 1)])
 def test_bad_arguments(tmp_path, arguments, status):
     done = subprocess.run([PROGRAM, *arguments], cwd=tmp_path, capture_output=True, text=True,
@@ -121,6 +121,7 @@ def test_bad_arguments(tmp_path, arguments, status):
 
 def test_the_program_tells_its_usage_and_how_far_it_is(tmp_path):
     done = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True, check=False)
-    assert done.returncode == 0 and done.stdout.startswith("usage: horizon OUTPUT.csv [POINTS [AZIMUTHS]]") and "(default 64)" in done.stdout and not done.stderr
+    assert done.returncode == 0 and done.stdout.startswith("usage: horizon OUTPUT.csv [POINTS [AZIMUTHS]]")
+    assert "(default 64)" in done.stdout and not done.stderr
     done = subprocess.run([PROGRAM, "x.csv", "1", "1"], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout.split(" %\n") == [*(str(100 * k // 12) for k in range(12)), ""]

@@ -25,7 +25,8 @@ def thrown(render):
         made = PLATE.format(plate)
         start, end = made.index("pigment"), made.index(" photons")
         made = f"{made[:start]}texture {{ {made[start:end]} }} {layer}{made[end:]}"
-        with_photons, without = (render(scene(WALL + made + more, light, HEADER.replace("PHOTONS", settings)), size, dump=False).image
+        made = WALL + made + more
+        with_photons, without = (render(scene(made, light, HEADER.replace("PHOTONS", settings)), size, dump=False).image
                                  for settings in (PHOTONS, "global_settings { assumed_gamma 1 }\n"))
         return with_photons - without
     return picture
