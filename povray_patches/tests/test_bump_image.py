@@ -485,11 +485,13 @@ def test_samples_of_a_pixel_are_pixels_of_a_larger_picture(render, tmp_path, cam
 
 
 def test_samples_of_a_divided_pixel_share_its_width(render, tmp_path):
-    """Against the mean of points: more samples are nearer to it."""
-    points = render(waves(tmp_path, "filter off") + FRONT, size=(768, 768), dump=False).image
-    truth = points.reshape(32, 24, 32, 24, 3).mean((1, 3))
-    one, many = (render(waves(tmp_path, "") + FRONT, size=(32, 32), dump=False, options=more).image
-                 for more in ([], ["+A0.0", "-J", "+AM2", "+R4"]))
+    """Against the mean of points: more samples are nearer to it, in blocks of any size."""
+    points = render(waves(tmp_path, "filter off") + FRONT, size=(512, 512), dump=False).image
+    truth = points.reshape(32, 16, 32, 16, 3).mean((1, 3))
+    divided = ["+A0.0", "-J", "+AM2", "+R4", "+WT1"]
+    one, many, blocks = (render(waves(tmp_path, "") + FRONT, size=(32, 32), dump=False, options=more).image
+                         for more in ([], [*divided, "+BS32"], [*divided, "+BS8"]))
+    assert np.array_equal(many, blocks)  # whatever was divided before
     error = [np.abs(image - truth)[1:-1, 1:-1].mean() for image in (one, many)]
     assert .02 * truth.mean() < error[0] and error[1] < .25 * error[0]
 
