@@ -88,6 +88,9 @@ def test_a_background_is_seen_through_and_mirrored(render):
     rgb, whole = np.stack([seen[name] for name in "RGB"], -1), seen["A"] == 1
     assert 0.05 < whole.mean() < 0.9 and (rgb[~whole] == 0).all() and (seen["A"][~whole] == 0).all()
     assert opaque[whole].min() > 0.05 and rgb[whole] == CLOSE(opaque[whole], rel=1e-3)
+    # and one that is clear itself lets it through, whatever it mirrors
+    clear = plate.replace("BACKGROUND", "t <.5, 1, .25, 1>").replace("rgb 0", "rgbt 1")
+    assert (render(clear, (32, 24), ["+UA"], dump=False).channels["A"][whole] == 0).all()
 
 
 @pytest.mark.parametrize("towards", [MIRROR, TURNED], ids=["mirrored", "turned"])
