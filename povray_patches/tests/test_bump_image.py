@@ -516,7 +516,7 @@ object { Waves scale 5 rotate 180*y translate -4*z }
 """
 
 
-BLOCK = "sphere { 0, 1 finish { mdf { ggx .001, .001 specular rgb 1 fresnel none reflection { samples 1 } } }"
+BLOCK = "sphere { 0, 1 finish { mdf { ggx .001, .001 specular rgb 1 fresnel none reflection { samples 4 } } }"
 
 
 @pytest.mark.parametrize("mirror, limit", [(BLOCK, .4), ("sphere { 0, 1 scale <1.4, 1.4, 2> translate z", .4),
