@@ -17,7 +17,7 @@ from scenes import dot, finish, normalise, saddle
 sys.path.insert(0, str(Path(__file__).parents[2] / "libshade/python"))
 import shade  # noqa: E402
 
-COST = 16.4
+COST = 15.4
 
 TOP = """#version 3.7; global_settings { assumed_gamma 1 }
 camera { orthographic location <.5, 3, .5> right 1.6*x up 1.2*z direction -y }
