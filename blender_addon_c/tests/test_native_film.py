@@ -4,6 +4,7 @@
 import math
 import threading
 import time
+from array import array
 
 import numpy as np
 import pytest
@@ -442,12 +443,13 @@ def test_poll_and_timings_at_the_end():
 
 
 def test_buffers_are_held_until_free():
-    pixels = np.full((64, 64, 4), 0.5, np.float32)
-    job = native.start(scene(images=[image(pixels)], materials=[material(normal_image=0)]))
-    with pytest.raises((ValueError, BufferError)):
-        pixels.resize((1, 1, 4))
+    pixels = array("f", [0.5] * 64 * 64 * 4)
+    job = native.start(scene(images=[image(np.ones((64, 64, 4), np.float32)) | {"data": pixels}], materials=[material(normal_image=0)]))
+    with pytest.raises(BufferError):
+        pixels.append(0)
     finish(job)
     native.free(job)
+    pixels.append(0)
 
 
 def test_many_jobs_at_once():

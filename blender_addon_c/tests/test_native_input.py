@@ -4,6 +4,8 @@
 import copy
 import json
 import subprocess
+from array import array
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -308,6 +310,11 @@ def test_image_checks_its_buffer():
     for out in (np.zeros(5, np.float32), np.zeros((16, 16, 4)), np.zeros((16, 16, 4), np.int32)):
         with pytest.raises(ValueError, match="1024 float32"):
             native.image(job, out)
+    for numbers, expected in ((5, pytest.raises(ValueError, match="1024 float32")), (1024, nullcontext())):
+        out = array("f", [0] * numbers)
+        with expected:
+            native.image(job, out)
+        out.append(0)  # which Python refuses where the module holds it still
     frozen = np.zeros((16, 16, 4), np.float32)
     frozen.flags.writeable = False
     with pytest.raises((ValueError, BufferError)):
