@@ -216,16 +216,20 @@ def shining(radiance):
 
 
 def panel(pieces=1):
-    """The area light above, as faces that shine: in one mesh, or in instances of a small one."""
+    """The area light above, as faces that shine: in one mesh, or in instances of one that lies on its side, in the space of which
+    rays meet it."""
     whole = mesh([[-1.9, -0.5, 1.5], [-0.4, -0.5, 1.5], [-0.4, 0.5, 1.5], [-1.9, 0.5, 1.5]],
                  [[0, 1, 2], [0, 2, 3]], materials=1)
     if pieces == 1:
         return {"meshes": [square(), whole]}
+    turn = np.float32([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
     places = [np.eye(4) for _ in range(pieces)]
     for k, place in enumerate(places):
         place[0, 0] = 1 / pieces
         place[0, 3] = -1.9 + (1.9 + 1.5 * k) / pieces
-    return {"meshes": [square(), whole],
+        place[:] = place @ turn
+    aside = {**whole, **{key: np.ascontiguousarray(whole[key].reshape(-1, 3) @ turn[:3, :3]) for key in ("positions", "corner_normals")}}
+    return {"apart": 1, "meshes": [square(), aside],
             "instances": [{"mesh": 0, "matrix": np.eye(4).ravel().tolist()},
                           *({"mesh": 1, "matrix": place.ravel().tolist()} for place in places)]}
 

@@ -436,7 +436,8 @@ def test_each_point_looks_as_far_as_it_says():
 @pytest.mark.parametrize("turned", [0.0, 90.0, 35.0])
 @pytest.mark.parametrize("away", [0.0, 0.1, 0.25, 0.6])
 def test_edges_are_round(away, turned):
-    """So far from a square edge: the mean of the normals within half a unit, weighted by (1 - r/R)^3, by quadrature."""
+    """So far from a square edge: the mean of the normals within half a unit, weighted by (1 - r/R)^3, by quadrature. What is turned
+    is one of two bodies of a mesh, in the space of which rays meet it."""
     c, s = np.cos(np.radians(turned)), np.sin(np.radians(turned))
     about = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     y, z = np.meshgrid(np.linspace(-0.5, 0.5, 401), np.linspace(-0.5, 0.5, 401))
@@ -444,12 +445,15 @@ def test_edges_are_round(away, turned):
     own = (weight(np.hypot(y, z)) * (z < away)).sum()
     other = (weight(np.sqrt(y**2 + z**2 + away**2)) * (z < 0)).sum()
     expected = about @ unit(np.array([other, 0, own]))
-    edge = mesh(np.array([(-2, -2, 0), (0, -2, 0), (0, 2, 0), (-2, 2, 0), (0, -2, -2), (0, 2, -2)]) @ about.T,
+    edge = mesh(np.array([(-2, -2, 0), (0, -2, 0), (0, 2, 0), (-2, 2, 0), (0, -2, -2), (0, 2, -2)]),
                 [[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])
     bent = {"type": "BEVEL", "samples": 128, "radius": [0.5], "out": registers(3, 3)}
     shines = {"name": "round", "closure": "EMISSION", "weight": registers(3, 3), "nodes": [bent]}
     x, y, _ = about @ (-away - 1e-3, 0, 0)
-    found = render(scene(meshes=[edge], materials=[shines], camera=ortho(1e-4, (x, y, 3), (x, y, 0)), lights=[],
+    there, far = np.eye(4), np.eye(4)
+    there[:3, :3], far[0, 3] = about, 50
+    bodies = {"apart": 1, "instances": [{"mesh": 0, "matrix": matrix.ravel().tolist()} for matrix in (there, far)]} if turned else {}
+    found = render(scene(**bodies, meshes=[edge], materials=[shines], camera=ortho(1e-4, (x, y, 3), (x, y, 0)), lights=[],
                          samples=32, width=8, height=8))[0][..., :3].mean((0, 1))
     np.testing.assert_allclose(unit(found.astype(float)), expected, atol=0.02)
 
