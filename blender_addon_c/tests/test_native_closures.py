@@ -8,7 +8,8 @@ import sys
 import numpy as np
 import pytest
 
-from native_scenes import ROOT, material, native, ortho, point, registers, render, scene, some, sphere, square, sun
+from native_scenes import (ROOT, image, material, mesh, native, ortho, point, registers, render, scene, sky, some, sphere, square,
+                           sun)
 
 sys.path.insert(0, str(ROOT / "libshade/python"))
 import shade  # noqa: E402
@@ -81,13 +82,27 @@ def test_what_keeps_all_light_is_not_seen(name):
 @pytest.mark.parametrize("alpha, clear, seen", [(1e-4, None, False), (1e-4, 0.0, False), (1e-4, 0.01, True), (0.2, 0.1, False),
                                                (0.05, 0.1, True)])
 def test_a_transparent_film_is_seen_through_clear_glass(alpha, clear, seen):
-    """Through both faces of a slab, and what that leaves is the white world's mirror image."""
+    """Through both faces of a slab, and what that leaves is the white world's mirror image, be it a color or a picture."""
     left = {} if clear is None else {"clear_glass": clear}
-    picture, _ = render(scene(width=8, height=8, samples=1024, transparent=True, background=WHITE, lights=[], max_bounces=16,
-                              materials=[of(glass(alpha))], meshes=[square(40.0), square(40.0, -0.5)], camera=ortho(0.1), **left))
-    mean = picture.mean((0, 1))
-    assert mean[3] == pytest.approx(1 - 0.96**2 if seen else 1.0, abs=0.004)
-    assert mean[:3] == pytest.approx(mean[3], abs=0.02)
+    drawn = {"images": [image(np.ones((2, 4, 3), np.float32))], "sky": sky(np.ones(3) * WHITE)}
+    for world in ({"background": WHITE}, drawn)[:1 + seen]:
+        picture, _ = render(scene(width=8, height=8, samples=512, transparent=True, lights=[], max_bounces=16, materials=[of(glass(alpha))],
+                                  meshes=[square(40.0), square(40.0, -0.5)], camera=ortho(0.1), **world, **left))
+        mean = picture.mean((0, 1))
+        assert mean[3] == pytest.approx(1 - 0.96**2 if seen else 1.0, abs=0.004)
+        assert mean[:3] == pytest.approx(mean[3], abs=0.02)
+
+
+@pytest.mark.parametrize("clear", [None, 0.01])
+def test_a_ray_says_whether_the_film_is_seen_through_what_is_before(clear):
+    """Which is what shines behind a pane; what is beside it is seen by rays from the camera."""
+    shines = of(EMISSION | {"weight": registers(3, 1) * 3}, nodes=[{"type": "PATH", "what": "FILM", "out": registers(3, 1)}])
+    half = mesh([[0, -2, 0], [2, -2, 0], [2, 2, 0], [0, 2, 0]], [[0, 1, 2], [0, 2, 3]])
+    picture, _ = render(scene(width=4, height=4, samples=64, transparent=True, lights=[], max_bounces=2, camera=ortho(0.5),
+                              materials=[of(glass(1e-4)), shines], meshes=[half, square(200.0, -0.5, 1)],
+                              **({} if clear is None else {"clear_glass": clear})))
+    assert picture[:, :2, :3].min() == 1
+    assert picture[:, 2:, :3].mean() == pytest.approx(0 if clear is None else 0.96, abs=0.02)
 
 
 @pytest.mark.parametrize("alpha, ior, joint", [(0.1, 1.5, True), (0.25, 1.5, False), (0.5, 1.5, True),

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from native_scenes import MODULE, SANITIZED, few, finish, image, material, native, point, scene, sky, sphere
+from native_scenes import MODULE, SANITIZED, few, finish, image, material, native, point, scene, sky, sphere, square
 
 COST = 2.8
 
@@ -49,10 +49,13 @@ def test_all_is_given_back():
 def test_a_hundred_jobs_hold_what_one_does():
     """Of all that a job may make; also of one that is refused, stopped, or left by another."""
     lit = point((0, 0, 2)) | {"pattern": {"width": 64, "height": 64, "axes": np.eye(3).ravel().tolist(), "data": np.ones(3 << 12, np.float32)}}
+    layered = square()
+    layered["layers"] = [{"layer": 0, "data": layered["corner_uvs"]}]
     rich = {"mattes": [{"type": "OBJECT"}, {"type": "MATERIAL"}], "matte_slots": 16, "planes": [{"type": "NORMAL"}, {"type": "SAMPLES"}],
             "adaptive_threshold": 0.1, "adaptive_min_samples": 1, "images": [image(np.ones((32, 32, 4), np.float32))], "lights": [lit],
             "filter_width": 1.5, "time_limit": 10.0, "threads": 2,
-            "materials": [material(color_image=0, ex=1e12)]}  # which is told
+            "materials": [material(color_image=0, ex=1e12)],  # which is told
+            "layers": [{"width": 2}, {"width": 4, "tangents_of": 0}], "meshes": [layered]}
 
     def round_of(number):
         held(**rich)
