@@ -207,12 +207,12 @@ class Reader:
     def read_aov(self, name, kind):
         """What it says by that name, after it was read."""
         other = Reader(self._table, self._messages, self._material, kind=self._kind)
-        other.uv_map, other.layers, other.measured = self.uv_map, self.layers, self.measured
+        other.uv_map, other.layers = self.uv_map, self.layers
         other.colors = other.filters = False
         own = tree.of(self._material) if self._material else None
         passes = own and any(closure["closure"] == "TRANSPARENT" for closure in self.closures)
         made = read_into(other, own, name, kind, self._table.threshold if passes else None, self._held, self._shades())
-        self.uv_map, self.measured = other.uv_map, other.measured
+        self.uv_map = other.uv_map
         return {"name": self._material.name if self._material else "", **made}
 
     def _of_nodes(self, own):
