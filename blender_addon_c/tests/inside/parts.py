@@ -426,6 +426,10 @@ def test_what_is_undone_is_read_again():
     kept, nodes = module("export.kept"), module("nodes")
     for when in ("undo_post", "redo_post", "load_post"):
         assert kept._forget in getattr(bpy.app.handlers, when), when
+    size = module("fabric.size")
+    for when in ("depsgraph_update_post", "undo_post", "redo_post", "render_init"):
+        assert size.follow_unit in getattr(bpy.app.handlers, when), when
+    assert size._note_all in bpy.app.handlers.load_post
     for when in ("undo_pre", "redo_pre", "load_pre"):
         assert nodes._forget_followed in getattr(bpy.app.handlers, when), when
     one = kept.Kept()
@@ -894,6 +898,7 @@ TOLD = (
     ("cycles.film_transparent_roughness", 0.5, "clear_glass", 0.25), ("render.film_transparent", False, "clear_glass", None),
     ("libshade.adaptive_min_samples", 9, "adaptive_min_samples", None), ("libshade.use_adaptive_sampling", True, "adaptive_min_samples", 9),
     ("libshade.adaptive_min_samples", 1, "adaptive_min_samples", 4), ("libshade.adaptive_threshold", 0.5, "adaptive_threshold", 0.5),
+    ("libshade.use_preview_denoising", True, "use_denoising", None), ("libshade.use_denoising", True, "use_denoising", True),
 )
 
 

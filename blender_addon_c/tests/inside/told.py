@@ -2128,6 +2128,78 @@ def test_words_of_materials_that_are_shaded_otherwise():
     assert read(scene)[1] == [f"{whose}volumes are not supported; left out"]
 
 
+def test_what_feeds_itself_is_its_own_value():
+    """Blender 5.0 takes a link from a node to itself for a valid one; of links round a circle of two there is always one that is not."""
+    tree = common.tree_of(bpy.data.materials.new("round"))
+    value, said = module("export.value"), []
+    for count in (1, 2):
+        nodes = [tree.nodes.new("ShaderNodeMath") for _ in range(count)]
+        for node, before in zip(nodes, nodes[-1:] + nodes[:-1]):
+            node.inputs[0].default_value, node.inputs[1].default_value = 0.25, 0.5
+            tree.links.new(before.outputs[0], node.inputs[0])
+        last = tree.nodes.new("ShaderNodeMath")
+        tree.links.new(nodes[0].outputs[0], last.inputs[0])
+        reader = Of(warn=said.append, program=module("export.graph").Program(), known={}, shift=None, nodes=module("export.node_color").NODES)
+        assert value.number_of(reader, last.inputs[0], ()) in ((0.75,), (0.75, 1.25))[count - 1]
+        itself = bpy.app.version >= (5, 0) and count == 1
+        assert said == [f"'{nodes[0].name}' feeds itself; the link is left out"] * itself, said
+        said.clear()
+
+
+def test_rays_of_occlusion_and_of_bevels():
+    """As many as the node says, up to 128; as far as the world's where nothing says how far; none at all where it is nowhere."""
+    part, asked, far = module("export.node_occlusion"), [], [0.0]
+    program = Of(emit=lambda kind, count, **given: asked.append((kind, given)) or (1.0,) * count, math=lambda _kind, a, b: a * b)
+    reader = Of(program=program, reach=lambda: 7.0, below={}, has_surface=True)
+
+    def node(samples, linked):
+        inputs = {name: Of(is_linked=linked) for name in ("Color", "Distance", "Radius", "Normal")}
+        return Of(node=Of(samples=samples, inside=True, only_local=False, inputs=inputs), output=Of(name="Color"), groups=())
+    stands_in = {"color_of": lambda *_: (0.5, 0.25, 1.0), "number_in": lambda *_: far[0], "normal_of": lambda *_: None, "surface_normal": lambda _reader: (0, 0, 1),
+                 "tree": Of(trace=lambda *_: Of(node=None))}
+    with replaced(part, **stands_in):
+        for samples, linked, far[0], wanted in ((127, False, 0.0, (127, 7.0)), (500, False, 2.0, (128, 2.0)), (500, True, 3.0, (128, 3.0)), (5, True, 0.0, None), (0, False, 2.0, None)):
+            assert part._ambient_occlusion(reader, node(samples, linked)) == (0.5, 0.25, 1.0)
+            found = [("OCCLUSION", {"samples": wanted[0], "distance": [wanted[1]], "inside": True, "local": False})] if wanted else []
+            assert asked == found, (samples, linked, asked)
+            asked.clear()
+        for samples, far[0], wanted in ((127, 2.0, 127), (500, 2.0, 128), (5, 0.0, None), (0, 2.0, None)):
+            assert part._bevel(reader, node(samples, False)) == ((1.0,) * 3 if wanted else (0, 0, 1))
+            assert asked == ([("BEVEL", {"samples": wanted, "radius": [far[0]]})] if wanted else []), (samples, asked)
+            asked.clear()
+
+
+def test_which_slot_a_face_has():
+    """One beyond the last is the last; a slot that no face has is not read; the only one is everybody's."""
+    mesh, asked = bpy.data.meshes.new("sheets"), []
+    mesh.from_pydata([(x, y, z) for z in range(3) for x, y in ((0, 0), (1, 0), (0, 1))], [], [(0, 1, 2), (3, 4, 5), (6, 7, 8)])
+    mesh.polygons[0].material_index, mesh.polygons[2].material_index = 1, 7
+    if hasattr(mesh, "calc_loop_triangles"):
+        mesh.calc_loop_triangles()
+    table = Of(index=lambda *which: asked.append(which) or 10 * "abc".index(which[0]) + 5)
+    of = module("export.mesh")._triangle_materials
+    for slots, wanted in (("abc", [15, 5, 25]), ("ab", [15, 5, 15]), ("c", [25] * 3)):
+        materials, used = of(mesh, slots, (True,), table)
+        assert materials.tolist() == wanted and used == sorted(set(wanted)), (slots, materials, used)
+        assert asked == [(slot, True, "mapless") for slot in slots], asked
+        asked.clear()
+    mesh.polygons[2].material_index = 0
+    mesh.uv_layers.new(name="map")
+    mesh.calc_loop_triangles()
+    assert of(mesh, "abc", (False,), table)[1] == [5, 15] and asked == [("a", False), ("b", False)], asked
+
+
+def test_lamps_that_are_alike_all_around():
+    """A file says a half, a quarter or steps of what is all around: seen from straight behind, from 90 degrees on and from where it ends."""
+    ies = module("export.ies")
+    for given, around, wanted in (((0, 90), (0, 90, 180, 270, 360), (1, 2, 1, 2, 1)), ((0, 90, 180), (0, 90, 180, 270, 360), (1, 2, 3, 2, 1)),
+                                  ((90, 180, 270), (0, 90, 180, 270, 360), (1, 2, 3, 2, 1)), ((0, 120, 240), (0, 120, 240, 360), (1, 2, 3, 1)),
+                                  ((0, 90, 180, 270, 360), (0, 90, 180, 270, 360), (1, 2, 3, 4, 5))):
+        values = np.arange(1.0, 1 + len(given))[:, None] * (1, 1)
+        _up, turned, candela = ies._closed(1, np.array([0.0, 90]), np.array(given, float), values)
+        assert turned.tolist() == list(around) and candela[:, 0].tolist() == list(wanted), (given, turned, candela[:, 0])
+
+
 def test_which_part_of_a_cameras_view_is_rendered():
     """The border of its frame, wherever that lies in the view; all without one, or where a part of the frame is behind the eye."""
     scene = common.empty_scene()
