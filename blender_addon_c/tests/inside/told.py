@@ -2107,6 +2107,9 @@ def test_words_of_materials_that_are_shaded_otherwise():
     tree.links.new(other.outputs[0], both.inputs[1])
     tree.links.new(both.outputs[0], end.inputs["Surface"])
     assert read(scene)[1] == []
+    tree.links.new(one.outputs[0], both.inputs[1])  # twice the same is no circle
+    assert read(scene)[1] == []
+    tree.links.new(other.outputs[0], both.inputs[1])
     with replaced(reader, _MOST=1):
         assert read(scene)[1] == [f"{whose}its 2 shaders are more than 1; the last are left out"]
     noise = tree.nodes.new("ShaderNodeTexNoise")
@@ -2198,6 +2201,20 @@ def test_lamps_that_are_alike_all_around():
         values = np.arange(1.0, 1 + len(given))[:, None] * (1, 1)
         _up, turned, candela = ies._closed(1, np.array([0.0, 90]), np.array(given, float), values)
         assert turned.tolist() == list(around) and candela[:, 0].tolist() == list(wanted), (given, turned, candela[:, 0])
+    with replaced(ies.versions, OLD_IES=False):  # types A and B: a half says what lies before 0 as well; of B the poles lie across
+        for given, around, wanted in (((0, 30, 90), (90, 150, 180, 210, 270), (3, 2, 1, 2, 3)), ((-90, 0, 90), (90, 180, 270), (3, 2, 1))):
+            up, turned, candela = ies._closed(3, np.array([-90.0, 0, 90]), np.array(given, float), np.array([[1.0] * 3, [2] * 3, [3] * 3]))
+            assert up.tolist() == [0, 90, 180] and turned.tolist() == list(around) and candela[:, 1].tolist() == list(wanted), (given, turned, candela)
+        up, turned, candela = ies._closed(2, np.array([0.0, 90]), np.array([-90.0, 0, 90]), np.array([[1.0, 2], [3, 4], [5, 6]]))
+        assert up.tolist() == turned.tolist() == [0, 90, 180] and candela.tolist() == [[2, 4, 6], [1, 3, 5], [2, 4, 6]], (up, turned, candela)
+
+
+def test_a_vector_in_the_world_as_a_normal():
+    """Two are made: one that is never below the surface, and by its first register the one that may be."""
+    asked = []
+    reader = Of(below={}, program=Of(emit=lambda kind, **given: asked.append((kind, given)) or tuple(f"{len(asked)}{axis}" for axis in "xyz")))
+    assert module("export.value").framed(reader, "there") == ("1x", "1y", "1z") and reader.below == {"1x": ("2x", "2y", "2z")}
+    assert asked == [("FRAME", {"vector": "there", "to": "SHADING"}), ("FRAME", {"vector": "there", "to": "SHADING", "below": True})]
 
 
 def test_which_part_of_a_cameras_view_is_rendered():
