@@ -97,3 +97,16 @@ def test_photons_pass_between_yarns(render, thrown):
     lit, shaded = (render(scene(floor + net, LIGHT, above), (16, 16), dump=False).image.mean() for net in ("", cloth.format("")))
     assert .1 < shaded / lit < .9
     assert thrown("reflection .8", cloth.format("pass_through")).mean() == pytest.approx(whole * shaded / lit, rel=.1)
+
+
+@pytest.mark.parametrize("lamp", ["", "parallel point_at 0"])
+@pytest.mark.parametrize("crossings, faces", [(15, 1), (150, 2)])
+def test_photons_are_as_wide_as_they_lie_apart(render, lamp, crossings, faces):
+    """From a lamp far away, too: a quarter of what is narrower than a crossing passes both faces of a net, as a whole, and a quarter of
+    a quarter of what is wider."""
+    net = (f"box {{ <-.5, .6, -.5>, <.5, .62, .5> pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 mdf {{ fabric {{ crossings {crossings} yarns {{ gap 1 }} "
+           "backing rgb 0 } } } photons { target refraction on reflection off collect off } }\n")
+    floor = "plane { y, 0 pigment { rgb 1 } finish { ambient 0 diffuse 1 } }\n"
+    above = "#version 3.7;\nglobal_settings { assumed_gamma 1 photons { spacing .01 gather 100, 200 } } camera { orthographic location .5*y right .5*x up .5*z look_at 0 }\n"
+    found = render(scene(floor + net, f"light_source {{ 40*y, rgb 1 {lamp} }}\n", above), (16, 16), dump=False).image.mean()
+    assert found == pytest.approx(.25**faces, rel=.04)
