@@ -102,6 +102,7 @@ class Dump:
         spec.channelnames = names
         spec.attribute("libshade", json.dumps(self.header) if text is None else text)
         spec.attribute("compression", settings.get("compression", "zip"))
+        spec.x, spec.y = settings.get("corner", (0, 0))
         if settings.get("tile"):
             spec.tile_width = spec.tile_height = settings["tile"]
         pixels = np.stack([self[name] for name in names], axis=2)
@@ -487,10 +488,11 @@ def test_text_report(good):
     assert f"{WIDTH} x {HEIGHT}" in result.stdout and "makedump" in result.stdout
 
 
-@pytest.mark.parametrize("compression", ["none", "zips", "zip"])
-def test_other_writer(dump, tmp_path, compression):
+@pytest.mark.parametrize("compression, corner", [("none", (0, 0)), ("zips", (-5, -40)), ("zip", (7, 3))])
+def test_other_writer(dump, tmp_path, compression, corner):
+    """Its channels in another order, packed in another way; a part that was cut out of a larger picture lies where it was."""
     path = dump.write(tmp_path / "x.exr", names=sorted(dump.names, reverse=True),
-                      compression=compression)
+                      compression=compression, corner=corner)
     assert check(path).returncode == 0
 
 
