@@ -5,7 +5,8 @@ The tables were printed from what the scripts built, by inside/example_scenes.py
 scene is no longer what it was; that it was right, its picture alone says.
 
 Each scene has
-    picture    engine, width, height, per cent of them, samples of ours and of Cycles, whether ours is denoised, view transform and look, file, format
+    picture    engine, width, height, per cent of them, samples of ours and of Cycles, whether ours is denoised, view transform and look, file, format; bounces
+               of ours and of Cycles where those are not as many as a new scene has
     camera     place, where it looks, kind, lens (of an orthographic one how wide it sees), where it begins to see; f-number and what distance is sharp
     lamps      kind, power, place, where it shines, colour, size
     world      its nodes
@@ -247,7 +248,7 @@ SCENES = {
         },
     },
     "groove": {
-        "picture": ["CYCLES", 972, 324, 100, 64, 128, False, "Standard", "None", "a.png", "PNG"],
+        "picture": ["CYCLES", 972, 324, 100, 64, 128, False, "Standard", "None", "a.png", "PNG", 12, 0],
         "camera": [[0, 0, 3], [0, 0, -1], "ORTHO", 3.24, 0.1],
         "lamps": [["SUN", 0.6, [0, 0, 0], [0.58835, 0.19612, -0.78446], [1, 1, 1], 0.4], ["SUN", 1.2, [0, 0, 0], [-0.30305, -0.50508, -0.80812], [1,
             1, 1], 0.2]],
@@ -265,7 +266,7 @@ SCENES = {
         },
     },
     "groove-across": {
-        "picture": ["CYCLES", 972, 324, 100, 64, 128, False, "Standard", "None", "a.png", "PNG"],
+        "picture": ["CYCLES", 972, 324, 100, 64, 128, False, "Standard", "None", "a.png", "PNG", 12, 0],
         "camera": [[0, 0, 3], [0, 0, -1], "ORTHO", 3.24, 0.1],
         "lamps": [["SUN", 0.6, [0, 0, 0], [0.58835, 0.19612, -0.78446], [1, 1, 1], 0.4], ["SUN", 1.2, [0, 0, 0], [-0.30305, -0.50508, -0.80812], [1,
             1, 1], 0.2]],
@@ -359,7 +360,7 @@ SCENES = {
         },
     },
     "suzanne": {
-        "picture": ["LIBSHADE", 960, 720, 100, 64, 4096, False, "Standard", "None", "", "PNG"],
+        "picture": ["LIBSHADE", 960, 720, 100, 64, 4096, False, "Standard", "None", "", "PNG", 0, 12],
         "camera": [[0.9, -6.2, 2.6], [-0.13759, 0.94787, -0.28742], "PERSP", 55, 0.1],
         "lamps": [["POINT", 420, [-3.6, -2.6, 2.6], [0.69959, 0.50526, -0.50526], [0.82, 0.91, 1], 0], ["POINT", 420, [2.5, 4, 4.2], [-0.39583,
             -0.63333, -0.66499], [1, 1, 1], 0], ["SUN", 2.6, [2.4, -2.8, 3.2], [-0.49154, 0.57346, -0.65538], [1, 0.95, 0.88], 0]],

@@ -332,6 +332,9 @@ def test_regions_are_named(rows):
     default = [r for r in failed if r.default]
     assert 0 < len(default) < len(failed) / 4 and not any("printed" in r.form or r.form in ("hard", "perturb") for r in default)
     assert ("valid_estevez", "asymmetry") in {(r.form, r.failure) for r in default}
+    for met, places in ((True, [("rotate", "hard"), ("rotate", "valid_estevez")]), (True, [("ggx_rotate", None)]), (False, [("rotate", "hard"), ("warp", None)])):
+        at = tuple({"form": form} | ({"horizon": horizon} if horizon else {}) for form, horizon in places)
+        assert atlas_regions.Region(at[0]["form"], "asymmetry", at, at[0]).default == met  # one place is enough
     strange = changed(rows, lambda _: {"displaced": 4.0}, map="normal", form="rotate")
     assert any(r.name == "unexplained" for r in atlas_regions.regions(strange))
 

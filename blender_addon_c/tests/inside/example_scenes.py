@@ -132,9 +132,11 @@ def facts():
     bpy.context.view_layer.update()
     render, view, camera = scene.render, scene.view_settings, scene.camera
     data = camera.data
+    bounces = scene.libshade.max_bounces, scene.cycles.max_bounces
     return {
         "picture": [render.engine, render.resolution_x, render.resolution_y, render.resolution_percentage, scene.libshade.samples, scene.cycles.samples,
-                    scene.libshade.use_denoising, view.view_transform, view.look, os.path.basename(render.filepath), render.image_settings.file_format],
+                    scene.libshade.use_denoising, view.view_transform, view.look, os.path.basename(render.filepath), render.image_settings.file_format,
+                    *(bounces if bounces != (12, 12) else ())],
         "camera": [plain(camera.matrix_world.translation), looks(camera), data.type, plain(data.ortho_scale if data.type == "ORTHO" else data.lens),
                    plain(data.clip_start), *([data.dof.aperture_fstop, plain(data.dof.focus_distance)] if data.dof.use_dof else [])],
         "lamps": sorted([o.data.type, plain(o.data.energy), plain(o.matrix_world.translation), looks(o), plain(o.data.color),

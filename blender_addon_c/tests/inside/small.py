@@ -484,7 +484,7 @@ def test_what_a_material_gets_of_a_closure():
         assert bool(read(closure, weight)) == wanted, (closure, weight)
     assert "weight" not in read(clear) and read(clear, 0.5)["weight"] == (0.5,) * 3 and read(clear, normal=[5, 6, 7])["normal"] == [5, 6, 7]
     assert "pass_color" not in read(clear, color=(1, 2, 3)) and read(clear, color=[1, 2, 3], colors=True)["pass_color"] == (1, 2, 3)
-    for mdf, horizon, wide in (("ggx", "hard", False), ("beckmann", "hard", True), ("ward", "hard", True), ("ASHIKHMIN_SHIRLEY", "hard", True),
+    for mdf, horizon, wide in (("ggx", "hard", False), ("beckmann", "hard", True), ("ward", "hard", True), ("ward_half", "hard", True), ("ASHIKHMIN_SHIRLEY", "hard", True),
                                ("ward", "MUTUAL", False), ("ASHIKHMIN_SHIRLEY", "MUTUAL", False)):
         made = read({**ours, "mdf": mdf, "horizon": horizon}, normal=[5], filtered={5: ([8], [0.1, 0.2])}, program=Of(reads=lambda *_which: False))
         assert (made["normal"], made.get("spread_from")) == (([8], [0.1, 0.2]) if wide else ([5], None)), (mdf, horizon)
