@@ -56,6 +56,16 @@ def test_what_a_facet_hides_is_dark(tmp_path):
     assert np.abs(np.where(dark, alone, seen) - alone).max() < 1e-6 * alone.max()
 
 
+def test_materials_are_what_they_are_called():
+    """Their labels, which the report shows, are their distribution and numbers; the BRDF is the one that goes with it."""
+    families = {"Ashikhmin-Shirley": ("ashikhmin_shirley", "ashikhmin_shirley"), "Ward": ("ward", "ward_1992"), "GGX": ("ggx", "microfacet")}
+    for label, (mdf, brdf, first, second) in displacement.MATERIALS.items():
+        family, x, y = label.replace(",", "").split()
+        assert (mdf, brdf, first, second) == (*families[family], float(x), float(y)), label
+        assert displacement.options(label) == ["--mdf", mdf, "--brdf", brdf, "--first", x.replace(".", "0.", 1) if "." in x else x,
+                                               "--second", y.replace(".", "0.", 1) if "." in y else y]
+
+
 @pytest.mark.parametrize("base", displacement.BASES)
 def test_without_bumps_all_methods_are_the_truth(tmp_path, base):
     rows, _ = displacement.pictures(tmp_path, base, "smooth", 0, displacement.GROOVED, size=32)

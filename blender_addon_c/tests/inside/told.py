@@ -1750,6 +1750,22 @@ def test_whom_measuring_and_animation_ask():
             assert asked == []
 
 
+def test_how_long_a_unit_of_cloth_is():
+    """Of a map or of an object's space an attribute says it, of the world the scene's unit, and cloth in repeats is not measured: 1."""
+    fabric = module("fabric.tree")
+    tree = bpy.data.node_groups.new("measured", "ShaderNodeTree")
+    nodes = {name: tree.nodes.new(kind) for name, kind in ((fabric._PLACE, "ShaderNodeMath"), (fabric._METRES, "ShaderNodeAttribute"), (fabric._KNOWN, "ShaderNodeMath"))}
+    for name, node in nodes.items():
+        node.name = name
+    metres = nodes[fabric._PLACE].inputs[0]
+    metres.name = "Metres"
+    for real, unit, linked, said in (("WORLD", 0.01, False, 0.01), (None, 0.01, False, 1.0), ("MAP", 0.01, True, "libshade_metres"), ("OBJECT", 2.0, True, "libshade_metres_of_unit"),
+                                     ("WORLD", 1000.0, False, 1000.0), ("OBJECT", 1.0, True, "libshade_metres_of_unit"), (None, 3.0, False, 1.0)):
+        fabric._measure(tree, real, unit)
+        assert metres.is_linked == linked, (real, unit)
+        assert close(metres.default_value, said) if not linked else nodes[fabric._METRES].attribute_name == said, (real, unit)
+
+
 def test_eyes_beside_each_other():
     """An eye's picture is the camera's moved aside by so much of its longest side, as wide and as high."""
     scene = common.empty_scene()
