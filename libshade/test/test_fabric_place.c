@@ -33,7 +33,9 @@ static double linear(double c) {
   return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
 }
 
-static cloth flat_cloth(double vary) {
+/* A cloth without tilt or gloss that is uneven as `w` says, in a draft's colours or white, times
+ * kd. */
+static cloth uneven_cloth(shade_weave_params w, int draft_colors, const double kd[3]) {
   cloth c;
   c.draft = shade_draft_from_matrix(ENDS, PICKS, &UP[0][0]);
   for (int i = 0; i < ENDS; i++) {
@@ -44,18 +46,15 @@ static cloth flat_cloth(double vary) {
     const double rgb[3] = {pick_color(j), 0.5, 0};
     memcpy(c.draft->weft[j].color, rgb, sizeof rgb);
   }
-  shade_weave_params w;
-  shade_weave_params_init(&w);
   w.occlusion = SHADE_OCCLUSION_NONE;
   w.warp.curve = w.weft.curve = w.warp.ridge = w.weft.ridge = 0;
-  w.warp.vary_brightness = w.weft.vary_brightness = vary;
   c.weave = shade_weave_create(c.draft, &w, NULL);
   shade_fabric_params p;
   shade_fabric_params_init(&p);
-  p.draft_colors = 1;
+  p.draft_colors = draft_colors;
   for (int k = 0; k < 3; k++) {
     p.warp.f0[k] = p.weft.f0[k] = 0;
-    p.warp.kd[k] = p.weft.kd[k] = vary > 0 ? 0.5 : 1;
+    p.warp.kd[k] = p.weft.kd[k] = kd[k];
   }
   p.warp.diffuse = p.weft.diffuse = SHADE_DIFFUSE_LAMBERT;
   unsigned status = 0;
@@ -63,6 +62,12 @@ static cloth flat_cloth(double vary) {
   assert_non_null(c.fabric);
   assert_int_equal(status, SHADE_OK);
   return c;
+}
+
+static cloth flat_cloth(void) {
+  shade_weave_params w;
+  shade_weave_params_init(&w);
+  return uneven_cloth(w, 1, (double[3]){1, 1, 1});
 }
 
 static void close_cloth(cloth *c) {
@@ -104,7 +109,7 @@ static void by_hand(const double uv[2], const double footprint[2], double rgb[3]
 /* Without a footprint, each crossing shows its thread. */
 static void near_shows_its_thread(void **state) {
   (void)state;
-  cloth c = flat_cloth(0);
+  cloth c = flat_cloth();
   for (int j = -4; j < 7; j++)
     for (int i = -6; i < 11; i++) {
       const double uv[2] = {i + 0.3, j + 0.8}, point[2] = {1e-9, 1e-9}, none[2] = {0, 0};
@@ -123,7 +128,7 @@ static const double FOOTPRINTS[][2] = {{2.5, 0.3}, {0.3, 2.5}, {7, 0.15}, {0.15,
 /* Far, elongated and off centre; the table's blocks are a small part of a crossing. */
 static void far_shows_the_share_of_each(void **state) {
   (void)state;
-  cloth c = flat_cloth(0);
+  cloth c = flat_cloth();
   double worst = 0, spread = 0;
   for (size_t f = 0; f < sizeof FOOTPRINTS / sizeof FOOTPRINTS[0]; f++)
     for (int k = 0; k < 60; k++) {
@@ -155,7 +160,7 @@ static void inside_a_crossing(int k, double margin, double uv[2]) {
 /* Near in a footprint: the mean of 16 points, all of them along a narrow one. */
 static void near_spreads_its_points_along_the_footprint(void **state) {
   (void)state;
-  cloth c = flat_cloth(0);
+  cloth c = flat_cloth();
   static const double near[][2] = {{0.7, 0.02}, {0.02, 0.7}, {0.5, 0.5}};
   static const double bound[] = {0.03, 0.03, 0.15}; /* half a step of 16 and of 4, and the corner */
   for (size_t f = 0; f < sizeof near / sizeof near[0]; f++) {
@@ -179,7 +184,7 @@ static void near_spreads_its_points_along_the_footprint(void **state) {
 /* Between near and far both are near the truth, so the blend is too, at every share. */
 static void a_blend_is_of_the_same_place(void **state) {
   (void)state;
-  cloth c = flat_cloth(0);
+  cloth c = flat_cloth();
   for (int turned = 0; turned < 2; turned++) {
     double worst = 0;
     for (double longer = 0.76; longer < 2; longer *= 1.1)
@@ -197,16 +202,38 @@ static void a_blend_is_of_the_same_place(void **state) {
   close_cloth(&c);
 }
 
-/* Yarns brighter than others: streaks where they are, not where they are not. */
+/*
+ * Yarns brighter than others: streaks where they are, not where they are not. One kind of
+ * unevenness alone shows as well, seen along its yarns.
+ */
 static void streaks_lie_where_the_bright_yarns_are(void **state) {
   (void)state;
-  cloth c = flat_cloth(0.8);
-  static const double footprints[][2] = {{0.3, 4}, {4, 0.3}, {0.3, 7.5}, {7.5, 0.3}};
-  const double bound = 0.25; /* each yarn is there; what hides it is known by the crossing alone */
-  for (size_t f = 0; f < sizeof footprints / sizeof footprints[0]; f++) {
-    const double *footprint = footprints[f];
+#define PART(side, part) offsetof(shade_weave_params, side.part)
+  static const struct {
+    size_t part[2];
+    double footprint[2], bound;
+  } rows[] = {
+      /* each yarn is there; what hides it is known by the crossing alone */
+      {{PART(warp, vary_brightness), PART(weft, vary_brightness)}, {0.3, 4}, 0.25},
+      {{PART(warp, vary_brightness), PART(weft, vary_brightness)}, {4, 0.3}, 0.25},
+      {{PART(warp, vary_brightness), PART(weft, vary_brightness)}, {0.3, 7.5}, 0.25},
+      {{PART(warp, vary_brightness), PART(weft, vary_brightness)}, {7.5, 0.3}, 0.25},
+      {{PART(warp, vary_brightness), PART(warp, vary_brightness)}, {0.3, 4}, 0.25},
+      {{PART(weft, vary_brightness), PART(weft, vary_brightness)}, {4, 0.3}, 0.25},
+      /* where in its footprint a yarn is bright is not known */
+      {{PART(warp, along_brightness), PART(warp, along_brightness)}, {0.3, 4}, 0.5},
+      {{PART(weft, along_brightness), PART(weft, along_brightness)}, {4, 0.3}, 0.5},
+  };
+#undef PART
+  for (size_t f = 0; f < sizeof rows / sizeof rows[0]; f++) {
+    const double *footprint = rows[f].footprint, bound = rows[f].bound;
+    shade_weave_params w;
+    shade_weave_params_init(&w);
+    for (int k = 0; k < 2; k++)
+      *(double *)(void *)((char *)&w + rows[f].part[k]) = 0.8;
+    cloth c = uneven_cloth(w, 1, (double[3]){0.5, 0.5, 0.5});
     double with = 0, without = 0;
-    for (int k = 0; k < 200; k++) {
+    for (int k = 0; k < 100; k++) {
       const double uv[2] = {500 * fmod(k * 0.7548776662466927, 1),
                             500 * fmod(k * 0.5698402909980532, 1)};
       const double z[3] = {0, 0, 1};
@@ -229,7 +256,43 @@ static void streaks_lie_where_the_bright_yarns_are(void **state) {
     print_message("streaks in %.1f x %.1f: off by %.2f of what they are\n", footprint[0],
                   footprint[1], sqrt(with / without));
     assert_true(with < bound * bound * without);
+    close_cloth(&c);
   }
+}
+
+/*
+ * A yarn sends on kd times its brightness, which is even in 1 - v to 1 + v, of the light, but no
+ * more than all of it: the mean of min(kd b, 1), near and from afar, in each channel by its own kd.
+ */
+static void bright_yarns_are_no_brighter_than_white(void **state) {
+  (void)state;
+  enum { POINTS = 20000 };
+  const double v = 0.8, kd[3] = {0.4, 0.8, 1}, z[3] = {0, 0, 1}, all[2] = {1e6, 1e6};
+  shade_weave_params w;
+  shade_weave_params_init(&w);
+  cloth even = uneven_cloth(w, 0, (double[3]){1, 1, 1});
+  w.warp.vary_brightness = w.weft.vary_brightness = v;
+  cloth c = uneven_cloth(w, 0, kd);
+  double white[3], far[3], near[3] = {0};
+  shade_fabric_eval(even.fabric, z, all, NULL, z, z, SHADE_TIER_FAR, white);
+  shade_fabric_eval(c.fabric, z, all, NULL, z, z, SHADE_TIER_FAR, far);
+  for (int k = 0; k < POINTS; k++) {
+    const double uv[2] = {1e5 * fmod(k * 0.7548776662466927, 1),
+                          1e5 * fmod(k * 0.5698402909980532, 1)};
+    double s[3];
+    shade_fabric_eval(c.fabric, uv, NULL, NULL, z, z, SHADE_TIER_NEAR, s);
+    for (int j = 0; j < 3; j++)
+      near[j] += s[j] / POINTS;
+  }
+  for (int j = 0; j < 3; j++) {
+    const double low = kd[j] * (1 - v), high = kd[j] * (1 + v), cut = fmin(high, 1);
+    const double want = ((cut * cut - low * low) / 2 + (high - cut)) / (high - low);
+    print_message("kd %.1f: near %.4f, far %.4f, by hand %.4f\n", kd[j], near[j] / white[j],
+                  far[j] / white[j], want);
+    assert_near(near[j] / white[j], want, 0.01);
+    assert_near(far[j] / white[j], want, 0.01);
+  }
+  close_cloth(&even);
   close_cloth(&c);
 }
 
@@ -316,6 +379,7 @@ int main(void) {
       cmocka_unit_test(near_spreads_its_points_along_the_footprint),
       cmocka_unit_test(a_blend_is_of_the_same_place),
       cmocka_unit_test(streaks_lie_where_the_bright_yarns_are),
+      cmocka_unit_test(bright_yarns_are_no_brighter_than_white),
       cmocka_unit_test(a_single_lobe_knows_along_from_across),
       cmocka_unit_test(a_single_lobe_is_as_wide_as_tilt_and_alpha),
   };
