@@ -557,6 +557,21 @@ def test_scratches_run_where_they_are_told(render):
     assert spread(SCRATCHES + " tangent radial z", of_object="rotate 25*z") == pytest.approx(145, abs=4)
 
 
+def test_far_scratches_are_wide_across_their_strokes(render):
+    """A pixel of many strokes is as narrow along them as the plate, and as wide across them wherever the texture turns them."""
+    words = SCRATCHES.replace("direction 30 spread 10", "direction 30 spread 1")
+    plates = "".join(sheet() + f"scale <.3, 1, 1> translate {.65 * k - .65}*x texture {{ finish {{ mdf {{ ggx .1, .1 {words} }} }} rotate {25 * k}*z }} }}\n" for k in range(3))
+    dump = render(scene(plates, SUN, FRONT), size=(24, 8)).dump
+    wide = dump.channels["alpha.Y"]
+    for k in range(3):
+        of = dump.hit & (np.abs(dump.P[..., 0] - .65 * k + .65) < .28)
+        angle, T, N = dump.channels["groove.A"][of], dump.T[of], dump.N[of]
+        x, y, _ = T.T * np.cos(angle) + np.cross(N, T).T * np.sin(angle)
+        assert of.sum() > 20 and np.degrees(np.arctan2(y, x)) % 180 == pytest.approx(30 + 25 * k, abs=1)
+        assert dump.channels["alpha.X"][of] == pytest.approx(.1, rel=.01) and (wide[of] > .25).all()
+        assert wide[of].mean() == pytest.approx(wide[dump.hit].mean(), rel=.01)
+
+
 @pytest.mark.parametrize("shape, place", [("disc { 0, z, .9", "rotate <0, 40, 0> translate <.2, .1, .1>"), ("box { <-.9, -.9, -.1>, <.9, .9, .1>", "")])
 def test_turning_leaves_circles(render, shape, place):
     """Round the axis of `tangent radial`, of one width and density wherever they are: slopes lie outward."""
