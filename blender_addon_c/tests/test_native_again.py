@@ -262,6 +262,22 @@ def test_an_edited_mesh_is_built_in_haste():
     assert max(held[1:]) < 1.05 * held[0]
 
 
+def test_what_is_moved_leaves_nothing():
+    """A body that goes to and fro holds what it held after the first time."""
+    before = start_of()
+    now = {**before, "instances": [*before["instances"][:5], {**before["instances"][5], "matrix": matrix(RNG(1))}]}
+    job, held = native.start(before), []
+    assert native.wait(job, 600)
+    for step in range(12):
+        after = native.start((now, before)[step % 2], job)
+        native.free(job)
+        job = after
+        assert finish(job)["state"] == "done"
+        held.append(native.poll(job)["memory"])
+    native.free(job)
+    assert held[-1] == pytest.approx(held[1], abs=8 << 10)
+
+
 def test_after_many_edits():
     """One job after another, some of them ended before they are done."""
     rng = RNG(7)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from native_scenes import area, box, finish, image, native, persp, point, scene, sky, some, sphere, sun
+from native_scenes import area, box, finish, image, native, persp, point, registers, scene, sky, some, sphere, sun
 from test_native_closures import TRANSLUCENT, diffuse, glass, glossy, of, weighed
 
 COST = 2.4
@@ -76,9 +76,9 @@ def denoised(path, samples=4, **changes):
                               denoiser=str(path), planes=[{"type": "ALBEDO"}, {"type": "NORMAL"}], **changes))
 
 
-def pictures(job):
+def pictures(job, size=(16, 16)):
     """The picture, as it was before, and the two planes that the denoiser looks at; from the bottom."""
-    made = [np.full((16, 16, channels), np.nan, np.float32) for channels in (4, 4, 3, 3)]
+    made = [np.full((*size, channels), np.nan, np.float32) for channels in (4, 4, 3, 3)]
     for out, plane in zip(made, ("", "NOISY", "ALBEDO", "NORMAL")):
         native.image(job, out, plane)
     native.free(job)
@@ -106,6 +106,22 @@ def test_a_first_look_does_not_wait_for_the_denoiser(fake, before, samples, by_i
     picture, noisy, albedo, normal = pictures(job)
     by_fake = noisy[::-1, :, :3] + 0.25 * (albedo + normal)
     assert np.allclose(picture[..., :3], by_fake, rtol=1e-5, atol=1e-6) == by_it and (picture != noisy).any()
+
+
+def test_a_first_look_is_smoothed_further():
+    """Without the denoiser: a faint edge on a plate of 96 pixels changes in some of them beside it, of the one sample in many."""
+    pixels = np.repeat(np.float32([[[0.5], [0.55]]]), 3, -1)
+    shown = {"type": "IMAGE", "image": 0, "out": registers(3, 3)}
+    changed = []
+    for samples in (1, 4):
+        job = native.start(scene(
+            samples=samples, width=96, height=4, lights=[], images=[image(pixels, filter="CLOSEST")], use_denoising=True,
+            materials=[{"name": "x", "closure": "EMISSION", "weight": registers(3, 3), "nodes": [shown]}], denoiser="?/no/library",
+            planes=[{"type": "ALBEDO"}, {"type": "NORMAL"}]))
+        assert finish(job)["state"] == "done"
+        picture, noisy, *_ = pictures(job, (4, 96))
+        changed.append(np.count_nonzero(np.abs(picture - noisy)[2, :, 0] > 1e-5))
+    assert changed[0] > 2 * changed[1] > 4
 
 
 def test_a_denoiser_that_fails_says_why(fake, monkeypatch):

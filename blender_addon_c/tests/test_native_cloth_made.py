@@ -122,6 +122,13 @@ def test_a_draft(tmp_path):
     np.testing.assert_allclose(np.ptp(planes["uv.V"]) / np.ptp(planes["P.Y"]), 7 * 3 / 2, rtol=1e-3)
 
 
+@pytest.mark.parametrize("warp, weft", [(1, 1), (2, 1), (1, 2), (2, 2)])
+def test_yarns_of_either_kind_colour_a_draft(warp, weft):
+    """The first of the palette is white."""
+    text = WIF.replace("Color=2", f"Color={warp}").replace("Threads=3\nColor=1", f"Threads=3\nColor={weft}")
+    assert native.wif(text.encode(), "x.wif")["colored"] == (max(warp, weft) > 1)
+
+
 BAD = WIF.replace("3=3\n4=", "3=two\n4=", 1)
 
 

@@ -212,6 +212,10 @@ AGAIN = [
     ("BRICK", {"width": [0.27], "height": [0.137], "mortar": [0.031], "shift": 0.4, "squash": 1.7, "squash_each": 3}, 2,
      stacked(lambda u, v: (0, bricks(u, v), 0))),
     ("RAMP", {"smooth": False}, 3, lambda u, _v: TABLE[(u * 255).astype(int), :3]),
+    # at another map's tangent and across it, also where that map is mirrored; flat where there is none
+    *(("PERTURB", {"tangent": tangent}, 3, lambda u, v, to=to: np.broadcast_to(to, (*u.shape, 3)))
+      for tangent, to in (([1.0, 0.0, 0.0, -1.0], TILT * (1, -1, 1)), ([0.0, 2.0, 0.0, 1.0], TILT[[1, 0, 2]] * (-1, 1, 1)),
+                          ([0.0, 2.0, 0.0, -1.0], TILT[[1, 0, 2]]), ([0.0, 0.0, 0.0, 1.0], (0, 0, 1)))),
     ("TRANSFORM", {"unit": True}, 3, lambda u, v: unit(np.stack([0.75 - 0.5 * v, 0.25 * u + 0.125, 0.5 + 0 * u], -1))),
     ("CURVE", {"extend": False}, 1, stacked(lambda u, v: (np.interp(u, (0.25, 0.5, 0.75), (0.2, 0.6, 0.4)),) * 3)),
     *(("VORONOI", {"feature": feature, "metric": metric, "exponent": [0.5]}, 1,
@@ -244,6 +248,26 @@ def test_what_it_says_of_a_plate(kind, changes, many, truth, tmp_path):
     channels = ("Ns", "XYZ") if kind in NORMALS else ("Color", "RGB")
     expected = truth(planes["uv.U"].astype(float), planes["uv.V"].astype(float))
     np.testing.assert_allclose(vectors(planes, *channels), expected, atol=error)
+
+
+@pytest.mark.parametrize("parts", [(0, 1, 2), (3, 2, 1)])
+def test_a_ramp_in_a_picture_of_nine(parts, tmp_path):
+    """Which is no multiple of four: each of its four numbers is that of the table."""
+    node = {"type": "RAMP", "table": TABLE, "at": UV[:1], "smooth": True, "out": OUT}
+    given = material() | {"nodes": [SOURCES[0], node], "f0_from": [OUT[k] for k in parts]}
+    planes, _ = dump(scene(materials=[given], width=3, height=3), tmp_path / "d.exr")
+    at = np.array([1, 3, 5]) / 6 * 255
+    expected = np.stack([np.interp(at, np.arange(256), TABLE[:, k]) for k in parts], -1)
+    np.testing.assert_allclose(vectors(planes, "Color", "RGB"), np.broadcast_to(expected, (3, 3, 3)), atol=4e-5)
+
+
+@pytest.mark.parametrize("what, expected", [("ALONG_U", (0.5, 0.25, 0)), ("ALONG_V", (0.125, 0.75, 0))])
+def test_a_direction_along_a_map_that_nothing_else_asks_for(what, expected):
+    u, v = np.array([(-2, -2), (2, -2), (2, 2), (-2, 2)], float).T
+    plate = mesh(np.outer(u, (0.5, 0.25, 0)) + np.outer(v, (0.125, 0.75, 0)), [[0, 1, 2], [0, 2, 3]], uvs=np.stack([u, v], -1))
+    shines = {"name": "along", "closure": "EMISSION", "weight": OUT[:3], "nodes": [{"type": "GEOMETRY", "what": what, "out": OUT[:3]}]}
+    seen = render(scene(meshes=[plate], materials=[shines], camera=ortho(0.1), lights=[], samples=1, width=4, height=4))[0]
+    np.testing.assert_allclose(seen[..., :3], np.broadcast_to(expected, (4, 4, 3)), atol=1e-6)
 
 
 def drawn_out_albedo(ax, ay, eye=(0, 0, 1), count=400):
@@ -433,11 +457,11 @@ def test_each_point_looks_as_far_as_it_says():
     assert seen[:, :8].mean() == 1 and seen[:, 8:].mean() == pytest.approx((0.5 / 0.6) ** 2, abs=0.006)
 
 
-@pytest.mark.parametrize("turned", [0.0, 90.0, 35.0])
-@pytest.mark.parametrize("away", [0.0, 0.1, 0.25, 0.6])
-def test_edges_are_round(away, turned):
-    """So far from a square edge: the mean of the normals within half a unit, weighted by (1 - r/R)^3, by quadrature. What is turned
-    is one of two bodies of a mesh, in the space of which rays meet it."""
+@pytest.mark.parametrize("away, turned, order", [*((away, turned, 1) for away in (0.0, 0.1, 0.25, 0.6) for turned in (0.0, 90.0, 35.0)),
+                                                 (0.1, 0.0, -1)])
+def test_edges_are_round(away, turned, order):
+    """So far from a square edge: the mean of the normals within half a unit, weighted by (1 - r/R)^3, by quadrature. What is turned is
+    one of two bodies of a mesh, in the space of which rays meet it. Also where faces are wound the other way."""
     c, s = np.cos(np.radians(turned)), np.sin(np.radians(turned))
     about = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     y, z = np.meshgrid(np.linspace(-0.5, 0.5, 401), np.linspace(-0.5, 0.5, 401))
@@ -446,7 +470,7 @@ def test_edges_are_round(away, turned):
     other = (weight(np.sqrt(y**2 + z**2 + away**2)) * (z < 0)).sum()
     expected = about @ unit(np.array([other, 0, own]))
     edge = mesh(np.array([(-2, -2, 0), (0, -2, 0), (0, 2, 0), (-2, 2, 0), (0, -2, -2), (0, 2, -2)]),
-                [[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])
+                np.array([[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])[:, ::order])
     bent = {"type": "BEVEL", "samples": 128, "radius": [0.5], "out": registers(3, 3)}
     shines = {"name": "round", "closure": "EMISSION", "weight": registers(3, 3), "nodes": [bent]}
     x, y, _ = about @ (-away - 1e-3, 0, 0)

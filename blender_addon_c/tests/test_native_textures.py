@@ -35,10 +35,10 @@ def shining(mixed=False, at=None, **given):
             "closures": [{"closure": "EMISSION", "weight": registers(COLOR, 3)}]}
 
 
-def seen(pixels, blur, material=None, camera=None, side=SIDE, samples=64, **given):
+def seen(pixels, blur, material=None, camera=None, side=SIDE, samples=64, bodies={}, **given):
     """The first channel, row 0 at the bottom."""
     made = scene(width=side, height=side, samples=samples, lights=[], transparent=False, images=[image(pixels, **given)],
-                 materials=[material or shining()], camera=camera or ortho(), texture_blur=blur)
+                 materials=[material or shining()], camera=camera or ortho(), texture_blur=blur, **bodies)
     return render(made)[0][..., :3]
 
 
@@ -65,11 +65,14 @@ def kept(texels, periods):
     return np.exp(-2 * np.pi**2 * (periods / WIDE) ** 2 * texels**2 / 12)
 
 
-@pytest.mark.parametrize("blur", [0.5, 1.0, 2.0, 3.3])
-def test_a_wave_fades_as_by_the_footprint(blur):
-    """Pixels are squares beside it."""
+@pytest.mark.parametrize("blur, size", [(0.5, 1), (1.0, 1), (2.0, 1), (3.3, 1), (2.0, 1 / 256)])
+def test_a_wave_fades_as_by_the_footprint(blur, size):
+    """Pixels are squares beside it. Or the plate is one of two bodies of a mesh, and made so small there."""
     texels, periods = WIDE / SIDE, 2
-    found = seen(wave(periods, down=WIDE), blur, samples=1024).mean(0)[:, 0]
+    there, far = np.diag([size, size, size, 1.0]), np.eye(4)
+    far[0, 3] = 9e3
+    bodies = {"apart": 1, "meshes": [square(1 / size)], "instances": [{"mesh": 0, "matrix": m.ravel().tolist()} for m in (there, far)]}
+    found = seen(wave(periods, down=WIDE), blur, samples=1024, bodies=bodies if size != 1 else {}).mean(0)[:, 0]
     wanted = 0.4 * np.sinc(periods / SIDE) * kept(blur * texels, periods)
     assert abs(amplitude(found, periods)) == pytest.approx(wanted, abs=0.0015)
 
@@ -207,16 +210,21 @@ def test_codes_are_mixed_as_they_are(srgb, floats):
         np.testing.assert_allclose(found.mean(0), light, atol=2e-3)
 
 
-def test_what_cannot_be_seen_colours_nothing():
-    """Half of the texels are grey, the others green and transparent."""
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+def test_what_cannot_be_seen_colours_nothing(kind):
+    """Half of the texels are grey, the others green and transparent; of all three kinds of texels."""
     pixels = np.zeros((64, 64, 4), np.float32)
     on = np.indices((64, 64)).sum(0) % 2 == 1
     pixels[on], pixels[~on] = (0.5, 0.5, 0.5, 1), (0, 1, 0, 0)
-    assert seen(pixels, 4.0, shining(mixed=True)) == pytest.approx(0.5, abs=1e-3)
-    assert seen(pixels, 4.0)[..., 1] == pytest.approx(0.75, abs=1e-3)  # who does not ask for alpha sees green
+    most = np.iinfo(kind).max if kind != np.float32 else 1
+    given = (pixels * most).astype(kind)
+    assert seen(given, 4.0, shining(mixed=True)) == pytest.approx(0.5, abs=4e-3)
+    assert seen(given, 4.0)[..., 1] == pytest.approx(0.75, abs=4e-3)  # who does not ask for alpha sees green
     about = shining(mixed=True)
     about["closures"] = [{"closure": "EMISSION", "weight": registers(ALPHA, 1) * 3}]
-    assert seen(pixels, 4.0, about) == pytest.approx(0.5, abs=1e-3)
+    assert seen(given, 4.0, about) == pytest.approx(0.5, abs=4e-3)
+    given[..., 3] = 0  # and where all is, its colour stays
+    assert seen(given, 4.0, shining(mixed=True))[..., 1] == pytest.approx(0.75, abs=4e-3)
 
 
 def test_images_that_are_not_smaller_than_their_pixels_stay():
