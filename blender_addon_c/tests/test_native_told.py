@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What objects say by name, islands, light below 0 and graphs of many registers, in the native module alone."""
 
+import json
+import subprocess
+
 import numpy as np
 import pytest
 
-from native_scenes import few, material, mesh, native, ortho, registers, render, scene, square
-from test_native_closures import of
+from native_scenes import ROOT, few, material, mesh, native, ortho, registers, render, scene, square
+from test_native_closures import of, shade
 
-COST = 0.4
+COST = 0.6
 
 SAID = np.float32([[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8], [0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1]])
 
@@ -130,7 +133,14 @@ def test_a_graph_may_use_all_registers():
     (0, []), (2, []), (3, ["plate: 3% of its UV map has no area: strokes there go as those beside it"]), (99, ["plate: 99% of its UV map has no area: strokes there go as those beside it"]),
     (100, ["plate: its UV map has no area: its tangent is the object's X axis"]), (None, ["plate has no UV map: its tangent is the object's X axis"])])
 def test_what_is_said_of_uv_maps_under_strokes(lost, said):
-    """From more than 2 % of the triangles on that strokes are on; nothing where what is there has no strokes, or they are turned by nodes."""
+    """From more than 2 % of the triangles on that strokes are on; nothing where what is there has no strokes, or they are turned by nodes.
+    Bodies of fibres have strokes, and metals that are not round."""
+    round_ = material(ex=20.0, ey=20.0)
+    matt = round_ | {"fresnel": "NONE", "f0": (0, 0, 0), "kd": (0.5, 0.5, 0.5), "ex": 200.0}
+    bodies = [row["word"] for row in native.table()["lists"]["diffuse"]]
+    closures = [(material(), True), (material() | {"turned": True}, False), (round_, False), (matt, False),
+                *((round_ | {"diffuse": word}, word not in ("lambert", "ashikhmin_shirley")) for word in bodies),
+                (of({"closure": "DIFFUSE", "model": "LAMBERT", "color": (1, 1, 1), "roughness": [0.0]}), False)]
     corners = np.arange(101) / 100
     xy = np.concatenate([np.stack([corners, 0 * corners], 1), np.stack([corners, 0 * corners + 1], 1)])
     faces = [[k, k + 1, 101 + k] for k in range(100)]
@@ -139,15 +149,17 @@ def test_what_is_said_of_uv_maps_under_strokes(lost, said):
         plate["corner_uvs"] = None
     else:
         plate["corner_uvs"].reshape(100, 6)[:lost] = 0.25
-    for closure, is_said in ((material(), True), (material() | {"turned": True}, False), (of({"closure": "DIFFUSE", "model": "LAMBERT", "color": (1, 1, 1), "roughness": [0.0]}), False)):
+    for closure, is_said in closures:
         state = render(scene(meshes=[plate], materials=[closure], samples=1, width=2, height=2))[1]
-        assert state["warnings"] == (said if is_said else [])
+        assert state["warnings"] == (said if is_said else []), closure
 
 
-@pytest.mark.parametrize("end, said", [(np.eye(4), False), (np.diag([-1.0, 1, 1, 1]), True), (np.zeros((4, 4)), True), (np.diag([1.0, 1, 1e-4, 1]), False)])
-def test_what_moves_to_no_size_is_said(end, said):
+@pytest.mark.parametrize("end, said", [(np.eye(4), False), (np.diag([-1.0, 1, 1, 1]), True), (np.zeros((4, 4)), True), (np.diag([1.0, 1, 1e-4, 1]), False),
+                                       (np.diag([1.0, 1e-5, 1e-5, 1]), True)])
+@pytest.mark.parametrize("order", [1, -1])
+def test_what_moves_to_no_size_is_said(end, said, order):
     """On its way, too: what becomes its mirror image has no size in the midst."""
-    steps = np.stack([(1 - t) * np.eye(4)[:3] + t * end[:3] for t in (0, 0.5, 1)]).astype(np.float32)
+    steps = np.stack([(1 - t) * np.eye(4)[:3] + t * end[:3] for t in (0, 0.5, 1)][::order]).astype(np.float32)
     given = scene(meshes=[square() | {"name": "wing"}], instances=[{"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "motion": steps}], samples=4, width=2, height=2)
     words = "wing moves too far, or to no size, while the shutter is open: it is not blurred"
     picture, state = render(given)
@@ -172,3 +184,41 @@ def test_what_an_object_is_that_says_nothing():
 def test_presets_of_the_other_kind(of, name, said):
     with pytest.raises(ValueError, match=said):
         getattr(native, of)(name)
+
+
+def test_the_table_is_the_librarys():
+    """As its Python module reads it. Gold is yellow, of what |(m - 1)/(m + 1)|^2 says of its index; silver is all but white."""
+    table = native.table()
+    assert {row["word"]: (row["label"], row["eta"], row["k"]) for row in table["measured"]} == shade.metals()
+    colors = {}
+    for row in table["measured"]:
+        index = np.array(row["eta"]) + 1j * np.array(row["k"])
+        colors[row["word"]] = abs((index - 1) / (index + 1)) ** 2
+    assert colors["gold"][0] > colors["gold"][1] > 1.5 * colors["gold"][2] and min(colors["silver"]) > 0.9
+    keys = ("unit", "help", "components", "minimum", "maximum", "initial")
+    told = {row["word"]: [row[key] for key in keys] for row in table["params"]}
+    assert told == {word: [getattr(row, key) for key in keys] for word, row in shade.parameters().items()}
+    assert {row["word"]: row["label"] for row in table["weaves"]} == shade.weaves()
+
+
+def test_presets_are_the_tools():
+    """Their numbers as `shade presets` says them."""
+    done = subprocess.run([ROOT / "build/shade", "presets", "--json"], check=True, capture_output=True)
+    presets, table = {row["name"]: row for row in json.loads(done.stdout)}, native.table()
+    about = {row["word"]: (row["label"], row["help"]) for row in [*table["cloths"], *table["metals"]]}
+    assert about == {word: (row["label"], row["help"]) for word, row in presets.items()}
+    for row in table["cloths"]:
+        truth, own = presets[row["word"]], native.cloth(row["word"])
+        assert own["weave"] == truth["weave"] and own["counts"] == (truth["ends_per_cm"], truth["picks_per_cm"])
+        for yarn in ("warp", "weft"):
+            numbers = {word: value for word, value in own[yarn].items() if word != "twist"}
+            assert numbers == pytest.approx({word: truth[yarn][word] for word in numbers})
+            assert row[yarn] == pytest.approx(truth[yarn]["kd"])
+        assert row["nap"] == truth["nap"]
+        exponents = [truth[yarn][word] for yarn in ("warp", "weft") for word in ("along", "across")]
+        assert row["exponent"] == pytest.approx(np.mean(exponents))
+    for row in table["metals"]:
+        truth = presets[row["word"]]
+        assert row["turned"] == truth["turned"]
+        for word in ("eta", "k"):
+            assert native.metal(row["word"])[word] == pytest.approx(truth["material"][word])
