@@ -10,7 +10,7 @@ import pytest
 from native_scenes import (area, box, finish, image, material, native, ortho, persp, point, registers, scene,
                            sky, sphere, square, sun)
 
-COST = 5.4
+COST = 6.6
 
 SIDE = 12
 STEPS = 10 if "ASAN_OPTIONS" in os.environ else 40  # a sanitizer looks at memory; it is slow
@@ -276,6 +276,28 @@ def test_what_is_moved_leaves_nothing():
         held.append(native.poll(job)["memory"])
     native.free(job)
     assert held[-1] == pytest.approx(held[1], abs=8 << 10)
+
+
+@pytest.mark.parametrize("order, change", [((0, 0), {}), ((0, 1), {"seed": 6.0}), ((0, 1), {"tile": 0.4})])
+def test_scratches_that_are_laid(order, change):
+    """There is one twice, or the first one changes."""
+    def scratched(*fields):
+        said = [{"type": "GEOMETRY", "what": "UV", "out": registers(3, 3)}]
+        node = {"type": "SCRATCHES", "what": "NORMAL", "at": registers(3, 2), "near": [0.01, 0.0] * 2, "step": 0.01, "amount": [1.0],
+                "normal": [0.0, 0.0, 1.0], "out": registers(6, 3)}
+        materials = [material() | {"nodes": [*said, node | {"field": k}], "normal": registers(6, 3)} for k in range(2)]
+        return scene(apart=100, samples=1, scratches=list(fields), materials=materials, meshes=[square(), square(0.5, 0.1, 1)])
+
+    laid = [{"density": 0.1, "length": 30.0, "width": 5.0, "depth": 0.2, "direction": 0.3, "spread": 0.6, "seed": seed, "tile": 0.5}
+            for seed in (5.0, 9.0)]
+    one, other = (laid[k] for k in order)
+    before, after = scratched(*laid), scratched(one | change, other)
+    expected, job = fresh(after), native.start(before)
+    assert (expected != picture(job, before)).any()
+    again = native.start(after, job)
+    native.free(job)
+    np.testing.assert_array_equal(picture(again, after), expected)
+    native.free(again)
 
 
 def test_after_many_edits():

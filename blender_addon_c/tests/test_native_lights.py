@@ -70,6 +70,16 @@ def test_what_reaches_a_plate(kind, tmp_path):
     np.testing.assert_allclose(vectors(planes, "light0.L"), unit(direction), atol=1e-6)
 
 
+@pytest.mark.parametrize("kind, size", [("SUN", {"angle": 0.3}), ("POINT", {"radius": 0.5}), ("POINT", {"radius": 0.5, "ball": True}),
+                                        ("SPOT", {"radius": 0.5}), ("SPOT", {"radius": 0.5, "ball": True})])
+def test_a_dump_takes_a_soft_lamp_at_its_middle(kind, size, tmp_path):
+    light, truth = LIGHTS[kind]
+    planes, _ = dump(scene(lights=[light | size]), tmp_path / "d.exr")
+    irradiance, direction = truth(vectors(planes, "P"))
+    np.testing.assert_allclose(vectors(planes, "light0.E", "RGB"), irradiance, rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(vectors(planes, "light0.L"), unit(direction), atol=1e-6)
+
+
 @pytest.mark.parametrize("wide, high", [(1.0, 1.0), (2.0, 1.0), (1.0, 0.6), (1.5, 3.0)])
 def test_a_spot_s_cone_is_wide_or_narrow(wide, high, tmp_path):
     """Across its axis lengths count so many times: a cone as narrow by that."""

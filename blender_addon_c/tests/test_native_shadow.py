@@ -272,8 +272,9 @@ def test_light_behind_the_facet_is_no_light(tmp_path, shadow):
 
 @pytest.mark.parametrize("turn", [TURNS["as it is"], TURNS["askew"], TURNS["askew, down"]])
 @pytest.mark.parametrize("reach", [10.0, 1e4])
-def test_no_acne_on_a_large_triangle_close_by(tmp_path, reach, turn):
-    """Where it is hit is only as exact as its far corners are."""
+@pytest.mark.parametrize("shared", [False, True])
+def test_no_acne_on_a_large_triangle_close_by(tmp_path, reach, turn, shared):
+    """Where it is hit is only as exact as its far corners are; of a mesh that is kept once as its instance's are."""
     for lights in ([sun((0.5, 0.2, 0.6))], [point((0.4, 0.3, 0.9))]):
         base = scene(
             width=64,
@@ -282,6 +283,11 @@ def test_no_acne_on_a_large_triangle_close_by(tmp_path, reach, turn):
             lights=lights,
             meshes=[mesh([[-reach, -reach, 0], [reach, -reach, 0], [0.3, reach, 0]], [[0, 1, 2]])],
         )
+        if shared:  # askew in its own space
+            askew, place = TURNS["askew"], np.eye(4)
+            place[:3, :3] = reach * askew.T
+            corners = np.array([[-1, -1, 0], [1, -1, 0], [0.3 / reach, 1, 0]]) @ askew.T
+            base |= {"apart": 1, "meshes": [mesh(corners, [[0, 1, 2]])], "instances": [{"mesh": 0, "matrix": place.ravel().tolist()}]}
         planes, _ = dump(turned(base, turn), tmp_path / "d.exr")
         assert (planes["material.ID"] == 0).all() and lit(planes).all()
 

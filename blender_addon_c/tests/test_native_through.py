@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from native_scenes import area, chance, few, image, native, ortho, persp, point, registers, render, scene, sky, spot, square, sun
-from test_native_closures import EMISSION, TRANSPARENT, diffuse, of, weighed
+from test_native_closures import EMISSION, TRANSPARENT, diffuse, glass, glossy, of, weighed
 from test_native_light_paths import EYE, LIGHTS, SURFACES, panel, ray_meets, reflected, shining, sky_of
 
 COST = 2.6
@@ -188,6 +188,29 @@ def test_what_a_shadow_ray_has_met(what, by, more, through):
     up = [sun((0, 0, 1), (2, 2, 2))]
     np.testing.assert_allclose(seen(up, [(0.6, told), (0.8, told)], samples=4), seen(up, samples=4) * through,
                                rtol=2e-3 if what == "LENGTH" else 2e-5)  # rays begin a little above the plate
+
+
+@pytest.mark.parametrize("floor, kind", [(diffuse(), "DIFFUSE"), (glossy(1e-3), "GLOSSY"), (glass(0.05, 1.0, tint=(0.9,) * 3), "TRANSMISSION")])
+def test_a_shadow_ray_has_made_the_path_s_bounces(floor, kind):
+    """From a wall that is seen by one bounce: a pane beside its lamp, by how many of each kind it says, and by all and one more."""
+    low = kind == "TRANSMISSION"
+    side = -1.0 if low else 1.0
+    wall, sheet = square(9.0, 2 * side, 1), square(0.1, 1.75 * side, 2)
+    sheet["positions"] = sheet["positions"] + np.float32((0.4, 0, 0))
+    plain = {"meshes": [square(0.5), wall, sheet], "lights": [spot((0.8, 0, 1.5 * side), (-0.8, 0, 0.5 * side), (1e3,) * 3, 0.1)],
+             "camera": ortho(half=1e-3, eye=(0, 0, 0.5)), "width": 4, "height": 4, "samples": 256, "max_bounces": 1}
+
+    def by(what, share, more):
+        nodes = [{"type": "PATH", "what": what, "out": registers(3, 1)},
+                 {"type": "MATH", "operation": "MULTIPLY_ADD", "a": registers(3, 1), "b": [share], "c": [more], "out": registers(4, 1)}]
+        told = of(TRANSPARENT | {"weight": registers(4, 1) * 3}, nodes=nodes)
+        return render(scene(materials=[of(floor), of(diffuse()), told], **plain))[0][..., :3].astype(float)
+
+    clear = by("SHADOW", 0.0, 1.0)
+    assert clear.mean() > 0.1
+    for what in ("DIFFUSE", "GLOSSY", "TRANSMISSION"):
+        np.testing.assert_allclose(by(f"{what}_DEPTH", 0.25, 0.25), clear * (0.5 if what == kind else 0.25), rtol=1e-5)
+    np.testing.assert_allclose(by("DEPTH", 0.25, 0.0), clear * 0.5, rtol=1e-5)
 
 
 def test_a_pane_shades_as_long_as_it_is_there():
