@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from native_scenes import SANITIZED, material, native, of_means, registers, render, scene, some, sun
+from native_scenes import SANITIZED, material, native, of_means, ortho, registers, render, scene, some, sun
 
 COST = 15.5
 
@@ -48,6 +48,34 @@ def drawn_plate(light, mdf="GGX", **changes):
     metal = material(mdf=mdf, brdf="MICROFACET", fresnel="NONE", ax=0.2, ay=0.2) | {"nodes": nodes, "normal": NORMAL}
     picture = render(scene(scratches=[FINE], materials=[metal], lights=[sun(light)], **changes))[0][..., 0]
     return picture.reshape(4, 4, 4, 4).mean((1, 3))
+
+
+def moments(turn, **changes):
+    """The mean square slope of what rays meet, and of what they stand for beside it; the field turned, seen along the plate."""
+    c, s, step = np.cos(turn), np.sin(turn), 0.125
+    at, near, parts = registers(16, 2), [c * step, s * step, -s * step, c * step], registers(20, 4)
+
+    def math(operation, a, b, to):
+        return {"type": "MATH", "operation": operation, "a": [a], "b": [b], "c": [0.0], "out": [to]}
+    nodes = [{"type": "GEOMETRY", "what": "UV", "out": UV}, {"type": "TRANSFORM", "vector": UV, "unit": False, "out": [*at, (18,)],
+                                                              "matrix": [c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0]}]
+    nodes += [math("ADD", at[k % 2], by, parts[k]) for k, by in enumerate(near)]
+    nodes += [{"type": "SCRATCHES", "what": "NORMAL", "field": 0, "at": at, "near": parts, "step": step, "amount": [1.0],
+               "normal": [0.0, 0.0, 1.0], "filtered": True, "out": [*NORMAL, *SPREAD]}]
+    for k in range(2):
+        nodes += [math("DIVIDE", NORMAL[k], NORMAL[2], parts[k]), math("MULTIPLY", parts[k], parts[k], parts[k])]
+    nodes += [math("ADD", *parts[:2], parts[0]), math("ADD", *SPREAD, parts[1]), math("MULTIPLY", parts[1], 0.5, parts[1])]
+    shines = {"name": "slopes", "closure": "EMISSION", "weight": [*parts[:2], 0.0], "nodes": nodes}
+    picture = render(scene(scratches=[FINE | {"spread": np.pi / 2}], materials=[shines], lights=[], transparent=False,
+                           camera=ortho(0.2, (0, -2.9, 0.8)), **changes))[0]
+    return picture[..., :2].mean((0, 1))
+
+
+@pytest.mark.parametrize("turn", [0.0, np.pi / 4, 3 * np.pi / 4])
+def test_footprints_are_long_any_way(turn):
+    """What points along one are, it stands for: also where it lies askew in the field."""
+    near, far = moments(turn, samples=64), moments(turn, samples=64, normal_blur=1.0)
+    assert near[1] == 0 and far[0] < 0.05 * far[1] and far.sum() == pytest.approx(near[0], rel=0.07)
 
 
 @of_means
