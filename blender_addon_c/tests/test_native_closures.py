@@ -309,6 +309,26 @@ def test_coats_and_sheens_of_a_plate_in_the_sun(lobe, tilt):
     assert seen / white == pytest.approx(math.pi * f(light[2], eye[2], half[2], light @ half), rel=1e-4)
 
 
+@pytest.mark.parametrize("a", [0.4, 2.0])
+def test_fibres_seen_from_right_above(a):
+    """Where no direction is the eye's: a cosine's lobe that is stretched by a in all."""
+    closure = {"closure": "SHEEN", "model": "FIBRES", "a": [a], "b": [0.0]}
+    for light in ((0.6, 0, 0.8), (0.0, 0.8, 0.6), (-0.48, 0.64, 0.6)):
+        given = {"lights": [sun(light, WHITE)], "width": 4, "height": 4, "samples": 1, "camera": ortho(0.02)}
+        seen, white = (render(scene(materials=[of(one)], **given))[0][..., 0].astype(float).mean() for one in (closure, diffuse()))
+        assert seen / white == pytest.approx((a / (a**2 * (1 - light[2]**2) + light[2]**2)) ** 2, rel=1e-4)
+
+
+def test_what_glass_lets_through_has_its_tint():
+    """By light samples, of a sun behind it, and by drawn rays."""
+    tint = (0.2, 0.5, 0.9)
+    for given in ({"lights": [sun((0.2, 0.1, -1), WHITE)]}, {"lights": [], "background": WHITE, "transparent": False}):
+        clear, seen = (render(scene(materials=[of(glass(0.4, reflects=False, tint=color))], width=4, height=4, max_bounces=1, **given))[0][..., :3]
+                       for color in (WHITE, tint))
+        assert clear.mean() > 0.05
+        np.testing.assert_allclose(seen, clear * np.float32(tint), rtol=1e-5)
+
+
 def test_a_register_weighs_and_emits():
     """Emission by the UV map: what shines is not lit, and no bounce is needed."""
     uv = registers(3, 3)

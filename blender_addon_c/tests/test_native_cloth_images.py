@@ -68,6 +68,8 @@ def test_each_yarn_has_its_own_numbers():
         width, gap = row[yarn]["width"], row[yarn]["gap"]
         assert made[yarn]["share"] == pytest.approx(width / (width + gap))
     assert made["warp"]["along"] != made["weft"]["along"]
+    wide, _planes = images(preset="linen", warp_yarn={"width": 0.6, "gap": 0.2}, weft_yarn={"width": 1.2, "gap": 0.8})
+    assert (wide["warp"]["share"], wide["weft"]["share"]) == pytest.approx((0.75, 0.6))
     for yarn, color in (("warp", (0.1, 0.2, 0.3)), ("weft", (0.6, 0.5, 0.4))):
         assert made[yarn]["kd"] == pytest.approx(color)
 

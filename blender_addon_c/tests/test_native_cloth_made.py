@@ -126,7 +126,8 @@ def test_a_draft(tmp_path):
 def test_yarns_of_either_kind_colour_a_draft(warp, weft):
     """The first of the palette is white."""
     text = WIF.replace("Color=2", f"Color={warp}").replace("Threads=3\nColor=1", f"Threads=3\nColor={weft}")
-    assert native.wif(text.encode(), "x.wif")["colored"] == (max(warp, weft) > 1)
+    for color in ("200,255,255", "255,200,255", "255,255,200"):
+        assert native.wif(text.replace("200,40,60", color).encode(), "x.wif")["colored"] == (max(warp, weft) > 1)
 
 
 BAD = WIF.replace("3=3\n4=", "3=two\n4=", 1)

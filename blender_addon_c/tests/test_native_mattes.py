@@ -75,10 +75,10 @@ def layers(description, count, kind="OBJECT"):
 @pytest.mark.parametrize("part", [0.25, 0.5, 0.75])
 def test_coverage_of_objects_materials_and_assets(part):
     """A plate over a part of each pixel of a column, before another: whichever is seen first, what covers more comes first."""
-    given = {"samples": 16, "lights": [], "meshes": [half_covered(part / 8), square(3.0, z=-1.0, material_index=1)],
+    given = {"samples": 16, "height": 24, "lights": [], "meshes": [half_covered(part / 8), square(3.0, z=-1.0, material_index=1)],
              "materials": [of(diffuse()) | {"matte": (5.0,)}, of(diffuse()) | {"matte": (6.0,)}],
              "instances": [instance(0, matte=(1.5, 9.0)), instance(1, matte=(-2.5, 9.0))]}
-    front = np.repeat([[1.0] * 8 + [part] + [0.0] * 7], 16, 0)
+    front = np.repeat([[1.0] * 8 + [part] + [0.0] * 7], 24, 0)
     for kind, near, far in (("OBJECT", 1.5, -2.5), ("MATERIAL", 5.0, 6.0)):
         found, ranks = layers(given, 3, kind)
         assert set(found) == {near, far}

@@ -155,6 +155,16 @@ def test_nothing_is_lost(size, wrap):
             assert found == pytest.approx(pixels.mean((0, 1)), abs=2e-3 if wrap == "REPEAT" else 1e-4)
 
 
+@pytest.mark.parametrize("blur", [0.0, 1.0])
+def test_two_channels_are_grey_and_alpha(blur):
+    pixels = np.empty((8, WIDE, 2), np.float32)
+    pixels[...] = 0.25, 0.75
+    np.testing.assert_allclose(seen(pixels, blur, samples=1), 0.25, atol=1e-4)
+    alpha = {"type": "IMAGE", "image": 0, "out": registers(COLOR, 3), "alpha": registers(ALPHA, 1), "averaged": True}
+    told = {"name": "alpha", "nodes": [alpha], "closures": [{"closure": "EMISSION", "weight": registers(ALPHA, 1) * 3}]}
+    np.testing.assert_allclose(seen(pixels, blur, told, samples=1), 0.75, atol=1e-4)
+
+
 def test_a_point_is_near_the_mean_of_its_footprint():
     """By one sample a pixel, of white noise: the whole pixel's mean, by adding up its texels."""
     texels = 16
