@@ -5,6 +5,7 @@ import math
 import threading
 import time
 from array import array
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -136,11 +137,21 @@ def test_gaussian_filter():
     np.testing.assert_allclose(wide[:, 4, 3], window[x > 0.5 / 3].sum() / window.sum(), atol=0.01)
 
 
-@pytest.mark.parametrize("view", [ortho, persp])
-@pytest.mark.parametrize("blades, turn", [(0, 0.0), (4, 0.0), (4, math.pi / 4), (3, 0.3), (6, 1.0)])
-def test_lens_blurs_an_edge_by_its_shape(view, blades, turn):
+def around():
+    """A tenth to all sides, of a panorama."""
+    return {**ortho(), "type": "PANO", "panorama": "EQUIRECTANGULAR", "range": [-0.1, 0.1, -0.1, 0.1], "fov": 1.0, "focal": 1.0,
+            "sensor": (1.0, 1.0), "polynomial": [0.0] * 5, "frame": [0, 1, 0, 1]}
+
+
+SHAPES = [(0, 0.0), (4, 0.0), (4, math.pi / 4), (3, 0.3), (6, 1.0)]
+
+
+# half: of the picture's width, on the plate; that of a panorama lies another way for each ray, and is round here
+@pytest.mark.parametrize("view, half, high, blades, turn", [
+    *((*view, 0.6, *shape) for view in ((ortho, 1.0), (persp, 3 * 0.5)) for shape in SHAPES), (around, 3 * 0.1, 0.3, 0, 0.0)])
+def test_lens_blurs_an_edge_by_its_shape(view, half, high, blades, turn):
     """The plate 3 before the camera, all sharp at 2: an edge is blurred by half the aperture."""
-    lens = {"lens": (0.3, 0.6), "focus": 2.0, "blades": blades, "turn": turn}
+    lens = {"lens": (0.3, high), "focus": 2.0, "blades": blades, "turn": turn}
     edge = {"samples": few(4096), "meshes": [half_covered(0)], "width": 8, "height": 8}
     seen = render(scene(camera={**view(), **lens}, **edge))[0][..., 3].mean(axis=0)
     grid = (np.arange(400) + 0.5) / 200 - 1  # points of the aperture, the same another way: by rejection
@@ -150,7 +161,6 @@ def test_lens_blurs_an_edge_by_its_shape(view, blades, turn):
     inside = ((points @ sides).max(axis=1) < np.cos(np.pi / blades) if blades
               else (points**2).sum(axis=1) < 1)
     spread = np.sort(-0.5 * 0.3 * points[inside][:, 0])  # of where rays meet the plate, along x
-    half = 3 * 0.5 if view is persp else 1.0  # of the picture's width, on the plate
     x = (np.arange(4000) + 0.5) / 4000 * 2 - 1
     covered = np.searchsorted(spread, -x * half) / len(spread)
     np.testing.assert_allclose(seen, covered.reshape(8, -1).mean(axis=1), atol=chance(4e-3))
@@ -382,6 +392,27 @@ def test_time_that_is_over_leaves_one_pass(limit, samples):
     native.image(job, had, "SAMPLES")
     assert (had == np.float32(samples / 64)).all() and (so_far(job, 100)[..., 3] == 1).all()
     native.free(job)
+
+
+def spent():
+    """Nanoseconds of each thread of the process, by the kernel's number of it."""
+    return {task.name: int((task / "schedstat").read_text().split()[0]) for task in Path("/proc/self/task").iterdir()}
+
+
+@pytest.mark.parametrize("threads", [1, 2, 4])
+def test_as_many_threads_as_are_asked_for(threads):
+    """Whatever the cores; Embree's own, which build, sleep then."""
+    before, job, busy = spent(), native.start(slow() | {"threads": threads}), []
+    while native.poll(job)["stage"] == "build":
+        assert not native.wait(job, 0.01)
+    begun, until = spent(), time.monotonic() + 10
+    while len(busy) < threads and time.monotonic() < until:
+        assert not native.wait(job, 0.05)
+        busy = [task for task, seconds in spent().items() if task not in before and seconds > begun.get(task, 0) + 1_000_000]
+    native.cancel(job)
+    assert native.wait(job, math.inf)
+    native.free(job)
+    assert len(busy) == threads
 
 
 def test_dropping_a_job_ends_it():

@@ -89,6 +89,22 @@ def test_soft_light_on_metal(kind, surface):
     np.testing.assert_allclose(of_plate(SURFACES[surface], [LIGHTS[kind]]), truth, rtol=chance(0.01))
 
 
+@pytest.mark.parametrize("surface", ["sharp", "matt"])
+@pytest.mark.parametrize("ball, gain", [(True, 1), (True, 2), (False, 1)])
+def test_a_bulb_whose_light_falls_off_otherwise(surface, ball, gain):
+    """By the distance to where its ball, or its disc, is met: samples of it and drawn rays agree on that."""
+    even = {"width": 1, "height": 1, "axes": np.eye(3).ravel().tolist(), "data": np.ones(3, np.float32), "gain": gain}
+
+    def radiance(d):
+        c = np.array((-1.2, 0, 1.6))
+        along = d @ c
+        off2 = 4 - along**2 if ball else 4 * (4 / np.maximum(along, 1e-9)**2 - 1)  # squares of how far from the middle it is met
+        far = along - np.sqrt(np.maximum(0.25 - off2, 0)) if ball else 4 / np.maximum(along, 1e-9)
+        return (((off2 < 0.25) & (along > 0)) * 2 / (np.pi * 0.25) * far**gain)[..., None]
+    lamp = LIGHTS["ball"] | {"ball": ball, "pattern": even}
+    np.testing.assert_allclose(of_plate(SURFACES[surface], [lamp]), reflected(SURFACES[surface], radiance), rtol=chance(0.01))
+
+
 @pytest.mark.parametrize("surface", SURFACES)
 def test_two_lamps_are_the_sum_of_each(surface):
     """The first hit takes both, later ones choose: what a path chose is no chance of the next path's lamps."""
@@ -100,6 +116,21 @@ def test_two_lamps_are_the_sum_of_each(surface):
     each = [of_plate(SURFACES[surface], [lamp], **given, max_bounces=2) for lamp in lamps]
     both = of_plate(SURFACES[surface], lamps, **given, max_bounces=2)
     np.testing.assert_allclose(both, sum(each), rtol=chance(0.002))
+
+
+@pytest.mark.parametrize("size", [0.1, 20.0])
+def test_what_gathers_light_is_as_large_as_its_object(size):
+    """Draws that are aimed at a mirror's ball are the same, whether its mesh is so large or its matrix."""
+    pictures = []
+    for radius, scale in ((3.0, 1.0), (3.0 / size, size)):
+        mirror = sphere(12, radius)
+        place = np.diag([scale, scale, scale, 1.0])
+        place[:3, 3] = -6.4, 0.8, 8.0
+        instances = [{"mesh": k, "matrix": matrix.ravel().tolist()} for k, matrix in enumerate((np.eye(4), place))]
+        pictures.append(picture(meshes=[square(), mirror | {"material": mirror["material"] + 1}], instances=instances,
+                                materials=[matt(), material(fresnel="NONE", f0=(1, 1, 1), ex=3000.0, ey=3000.0)],
+                                lights=[LIGHTS["area"]], max_bounces=2, camera=ortho(half=0.5, eye=EYE), samples=4))
+    assert (np.isclose(*pictures, rtol=1e-3).all(-1)).mean() > 0.97
 
 
 def test_a_lamp_before_what_gathers_light():

@@ -391,6 +391,16 @@ def test_awkward_numbers_of_math_and_mix():
     assert not wrong
 
 
+def test_a_dump_says_how_strokes_turn(tmp_path):
+    """From the tangent towards the bitangent, as a node says it."""
+    turned = [{"type": "MATH", "operation": "SUBTRACT", "a": [part], "b": [0.5], "c": [0.0], "out": [out]}
+              for part, out in zip(UV[:2], OUT[:2])]
+    given = material() | {"nodes": [SOURCES[0], *turned], "groove_from": OUT[:2]}
+    planes, _ = dump(scene(materials=[given]), tmp_path / "d.exr")
+    angle = np.arctan2(planes["uv.V"].astype(float) - 0.5, planes["uv.U"].astype(float) - 0.5)
+    np.testing.assert_allclose(planes["groove.A"], angle, atol=1e-5)
+
+
 def test_heights_and_mask_of_scratches(tmp_path):
     """.7 of the depth, here a hundred times as high and the other way up."""
     nodes = [*SOURCES, {"type": "SCRATCHES", "what": "HEIGHT", "field": 0, "at": UV[:2], "amount": [0.7], "out": OUT[:2]},

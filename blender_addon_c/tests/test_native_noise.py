@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 import pytest
 
-from native_scenes import dump, material, registers, scene, vectors
+from native_scenes import dump, material, registers, render, scene, vectors
 
 COST = 0.4
 
@@ -95,6 +95,22 @@ def octave_sum(what, even, noise, octaves):
         signal = weight * (OFFSET - abs(n)) ** 2
         value, weight = value + p * signal, np.clip(GAIN * signal, 0, 1)
     return value
+
+
+@pytest.mark.parametrize("dimensions", SCALES)
+def test_white_noise(dimensions):
+    """Of the bits of numbers: of all of them; and of them with 1 and with 2 beside, or of four in other orders."""
+    at = np.float32([0.37, -12.5, 3e7, 1e-3])
+    node = {"type": "WHITE_NOISE", "dimensions": dimensions, "at": at.tolist(), "out": registers(3, 4)}
+    words = [*at.view(np.uint32)[:dimensions]]
+    beside = [[*words, np.float32(k).view(np.uint32)] for k in (1, 2)]
+    orders = [words, *(beside if dimensions < 4 else ([words[k] for k in order] for order in ((2, 0, 3, 1), (3, 2, 1, 0))))]
+    truth = [lookup3([np.uint32([word]) for word in order])[0] / 0xffffffff for order in orders]
+    shown = []
+    for out in (node["out"][:3], node["out"][3:] * 3):
+        shines = {"name": "noise", "closure": "EMISSION", "weight": out, "nodes": [node]}
+        shown.append(render(scene(materials=[shines], lights=[], width=1, height=1, samples=1))[0][0, 0, :3])
+    np.testing.assert_allclose(shown, [truth, truth[:1] * 3], atol=1e-6)
 
 
 @pytest.mark.parametrize("dimensions", SCALES)

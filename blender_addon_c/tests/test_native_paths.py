@@ -24,11 +24,25 @@ def picture(**changes):
 
 
 @pytest.mark.parametrize("bounces", [0, 1])
-def test_a_matt_plate_under_an_even_sky(bounces):
+@pytest.mark.parametrize("light", [SKY, (0.5, 0, 0), (0, 0.5, 0), (0, 0, 0.5)])
+def test_a_matt_plate_under_an_even_sky(bounces, light):
     """Every direction is drawn by its share: each sample is the answer. The sky is a light: it needs
     no bounce."""
-    seen = picture(lights=[], background=SKY, materials=[matt(0.5)], max_bounces=bounces)
-    np.testing.assert_allclose(seen, np.broadcast_to(np.multiply(0.5, SKY), seen.shape), rtol=2e-5)
+    seen = picture(lights=[], background=light, materials=[matt(0.5)], max_bounces=bounces)
+    np.testing.assert_allclose(seen, np.broadcast_to(np.multiply(0.5, light), seen.shape), rtol=2e-5)
+
+
+def test_drawn_rays_see_a_light_of_their_own():
+    """In place of the even one, by the ways that they come: of mirrors and of matt surfaces, each of some ways."""
+    shown = {}
+    diffuse, glossy, through, singular = 2, 4, 8, 32  # batch/lanes.h
+    looks = [{"rays": np.array([diffuse, glossy | singular], np.uint32), "background": (1, 2, 3)},
+             {"rays": np.array([diffuse | through, glossy, glossy | through], np.uint32), "background": (3, 2, 1)}]
+    for name, metal in (("matt", matt(0.5)), ("mirror", material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1), ax=1e-4, ay=1e-4)),
+                        ("dull", material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1), ax=0.05, ay=0.05))):
+        shown[name] = picture(lights=[], background=SKY, looks=looks, materials=[metal], max_bounces=1).mean((0, 1))
+    assert shown["matt"] == pytest.approx((0.5, 1, 1.5), rel=1e-3)
+    assert shown["mirror"] == pytest.approx((1, 2, 3), rel=1e-3) and shown["dull"] == pytest.approx((3, 2, 1), rel=1e-2)
 
 
 def test_sky_and_sun_add_up():
