@@ -309,6 +309,40 @@ def test_coats_and_sheens_of_a_plate_in_the_sun(lobe, tilt):
     assert seen / white == pytest.approx(math.pi * f(light[2], eye[2], half[2], light @ half), rel=1e-4)
 
 
+def left_by_bumps(kind, own, n, light, eye):
+    """Of the light that reaches a matt surface whose normal `own` is bent to n."""
+    bent, up, low = n @ own, n @ light, own @ light
+    if kind == "OPEN":
+        return float(up > 0)
+    if not (up > 0 and low > 0 and (n @ eye > 0 or kind == "SHADED")):
+        return 0.0
+    if kind == "SHADED":  # Estevez et al. 2019: GGX of an eighth of the bump's squared slope
+        alpha2 = min(0.125 * (1 - bent**2) / bent**2, 1)
+        return 2 / (1 + math.sqrt(1 + alpha2 * (1 / low**2 - 1))) if bent > 0 else 0.0
+    if kind == "FADED":  # Chiang et al. 2019
+        g = min(1, low / (up * bent)) if bent > 0 else 1.0
+        return g + g**2 - g**3
+    return 1.0
+
+
+@pytest.mark.parametrize("kind", ["HARD", "SHADED", "FADED", "OPEN"])
+@pytest.mark.parametrize("lean", [0.0, 0.5, 1.3])
+def test_matt_bumps_shade_each_other(kind, lean):
+    """In light from low to high, by the rule of each kind, and not where the normal faces away from the eye."""
+    own, n = np.array((0.0, 0, 1)), np.array((math.sin(lean), 0, math.cos(lean)))
+    turn = {"type": "FRAME", "vector": n.tolist(), "to": "SHADING", "out": registers(3, 3)}
+    bumped = of({**diffuse(), "bumps": kind, "normal": registers(3, 3)}, nodes=[turn])
+    for tilt in (-0.8, 0.6):
+        eye = np.array((math.sin(tilt), 0, math.cos(tilt)))
+        for angle in (-1.4, -0.9, -0.2, 0.3, 1.0, 1.5):
+            light = np.array((math.sin(angle), 0, math.cos(angle)))
+            made = scene(materials=[bumped], lights=[sun(tuple(light), (math.pi,) * 3)], width=2, height=2, samples=1,
+                         camera=ortho(0.02, tuple(3 * eye)))
+            seen = render(made)[0][..., 0].astype(float).mean()
+            expected = max(n @ light, 0) * left_by_bumps(kind, own, n, light, eye)
+            assert seen == pytest.approx(expected, rel=1e-4, abs=1e-6), (tilt, angle)
+
+
 @pytest.mark.parametrize("a", [0.4, 2.0])
 def test_fibres_seen_from_right_above(a):
     """Where no direction is the eye's: a cosine's lobe that is stretched by a in all."""

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from native_scenes import (
-    finish, image, look_at, material, native, ortho, persp, point, scene, sky, sphere, square, sun,
+    finish, image, look_at, material, native, ortho, persp, point, registers, scene, sky, sphere, square, sun,
 )
 from test_native_closures import EMISSION, TRANSLUCENT, TRANSPARENT, diffuse, glass, glossy, of, weighed
 
@@ -147,6 +147,18 @@ def test_passed_surfaces_are_seen_and_not_counted():
     np.testing.assert_allclose(emitted, 0.1 * (1 + 0.5), rtol=0.02)
     np.testing.assert_allclose(planes["ENVIRONMENT"][0, 0], 0.25, rtol=0.05)
     assert (planes["GLOSSY_COLOR"] == 0).all()
+
+
+def test_planes_of_what_is_clamped_behind_a_pane():
+    """It shines with more than its limit and reflects less than that: each has its own part of the picture."""
+    nodes = [{"type": "MATH", "operation": "ADD", "a": [light], "b": [0.0], "c": [0.0], "out": [out]}  # which makes no lamp of it
+             for light, out in zip((0.9, 0.6, 0.3), registers(3, 3))]
+    lit = of(EMISSION | {"weight": registers(3, 3)}, weighed(diffuse(color=(0.5, 0.25, 0.75)), 1.0), nodes=nodes)
+    picture, planes = passes({**ONE, "materials": [of(TRANSPARENT), lit], "meshes": [square(z=0.5), square(material_index=1)],
+                              "lights": [sun(irradiance=(0.3, 0.3, 0.3))], "sample_clamp_direct": 0.2, "max_bounces": 2, "camera": ortho(0.5)})
+    np.testing.assert_allclose(planes["EMISSION"][0, 0], (0.3, 0.2, 0.1), rtol=1e-5)
+    np.testing.assert_allclose(planes["DIFFUSE_DIRECT"][0, 0], 0.3 / np.pi, rtol=1e-5)
+    np.testing.assert_allclose(total(planes), picture[..., :3], rtol=1e-5)
 
 
 @pytest.mark.parametrize("name, closure", [("DIFFUSE", diffuse(color=(0.5, 0.5, 0.5))), ("GLOSSY", glossy(1e-3))])

@@ -53,7 +53,7 @@ def test_a_hundred_jobs_hold_what_one_does():
     layered["layers"] = [{"layer": 0, "data": layered["corner_uvs"]}]
     rich = {"mattes": [{"type": "OBJECT"}, {"type": "MATERIAL"}], "matte_slots": 16, "planes": [{"type": "NORMAL"}, {"type": "SAMPLES"}],
             "adaptive_threshold": 0.1, "adaptive_min_samples": 1, "images": [image(np.ones((32, 32, 4), np.float32))], "lights": [lit],
-            "filter_width": 1.5, "time_limit": 10.0, "threads": 2,
+            "filter_width": 1.5, "time_limit": 10.0, "threads": 2, "looks": [{"rays": np.array([2], np.uint32), "background": (1, 1, 1)}],
             "materials": [material(color_image=0, ex=1e12)],  # which is told
             "layers": [{"width": 2}, {"width": 4, "tangents_of": 0}], "meshes": [layered]}
 

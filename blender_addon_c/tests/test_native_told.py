@@ -160,7 +160,9 @@ def test_what_is_said_of_uv_maps_under_strokes(lost, said):
 def test_what_moves_to_no_size_is_said(end, said, order):
     """On its way, too: what becomes its mirror image has no size in the midst."""
     steps = np.stack([(1 - t) * np.eye(4)[:3] + t * end[:3] for t in (0, 0.5, 1)][::order]).astype(np.float32)
-    given = scene(meshes=[square() | {"name": "wing"}], instances=[{"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "motion": steps}], samples=4, width=2, height=2)
+    endless = np.diag([1e306] * 3 + [1])  # beside which, for it is left out, others move
+    given = scene(meshes=[square() | {"name": "wing"}, square(1e6)], samples=4, width=2, height=2, instances=[
+        {"mesh": 0, "matrix": np.eye(4).ravel().tolist(), "motion": steps}, {"mesh": 1, "matrix": endless.ravel().tolist()}])
     words = "wing moves too far, or to no size, while the shutter is open: it is not blurred"
     picture, state = render(given)
     assert state["warnings"] == [words] * said and (not said or (picture[..., 3] == 1).all())
@@ -220,5 +222,8 @@ def test_presets_are_the_tools():
     for row in table["metals"]:
         truth = presets[row["word"]]
         assert row["turned"] == truth["turned"]
-        for word in ("eta", "k"):
-            assert native.metal(row["word"])[word] == pytest.approx(truth["material"][word])
+        own = native.metal(row["word"])  # with its scratches in its lobe
+        for word in ("eta", "k", "kd", "fresnel"):
+            assert own[word] == (truth["material"][word] if word == "fresnel" else pytest.approx(truth["material"][word]))
+        assert all(np.size(own[param["word"]]) == param["components"] for param in table["params"])
+        assert own["ex"] <= 1.0001 * truth["material"]["ex"] and own["ey"] <= 1.0001 * truth["material"]["ey"]
