@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from native_scenes import (ROOT, image, material, mesh, native, ortho, point, registers, render, scene, sky, some, sphere, square,
+from native_scenes import (ROOT, dump, image, material, mesh, native, ortho, point, registers, render, scene, sky, some, sphere, square,
                            sun)
 
 sys.path.insert(0, str(ROOT / "libshade/python"))
@@ -484,6 +484,23 @@ def test_shadowing_of_each_direction_or_of_both(mdf, axis, angle, ax, ay, apart)
     if (mdf, angle) == ("GGX", 70) and axis == 0:
         assert wanted == pytest.approx(0.249 if apart else 0.281, abs=6e-4)
     assert picture[..., 0] == pytest.approx(wanted, rel=2e-3 if mdf == "BECKMANN" and apart else 2e-4)  # a fit
+
+
+@pytest.mark.parametrize("mdf, brdf", [("ASHIKHMIN_SHIRLEY", "ASHIKHMIN_SHIRLEY"), ("WARD", "MICROFACET"), ("GGX", "WARD_BOUNDED")])
+def test_other_lobes_have_no_shadows_apart(mdf, brdf):
+    common = {"width": 4, "height": 4, "camera": ortho(0.1, eye=(-2, 0, 1)), "lights": [sun((0.8, 0.2, 0.5))], "samples": 1}
+    values = [render(scene(materials=[material(mdf=mdf, brdf=brdf, ax=0.4, ay=0.3, ex=9.0, ey=5.0) | {"apart": apart}], **common))[0]
+              for apart in (False, True)]
+    assert values[0][..., 0].min() > 0.001
+    np.testing.assert_allclose(*values, rtol=1e-6)
+
+
+def test_a_dump_says_what_the_reference_shades(tmp_path):
+    """Which has no shadows of each direction by itself."""
+    planes = [dump(scene(materials=[material(mdf="GGX", brdf="MICROFACET") | {"apart": apart}], camera=ortho(0.1, eye=(-2, 0, 1)),
+                         lights=[sun((0.8, 0.2, 0.5))]), tmp_path / "d.exr")[0] for apart in (False, True)]
+    assert planes[0]["light0.S.R"].min() > 0.001
+    np.testing.assert_allclose(planes[1]["light0.S.R"], planes[0]["light0.S.R"], rtol=1e-6)
 
 
 def test_a_turned_tangent_turns_the_shadows():

@@ -5,7 +5,7 @@ for some objects, panoramas."""
 import numpy as np
 import pytest
 
-from native_scenes import chance, few, mesh, native, ortho, persp, render, scene, square, sun
+from native_scenes import chance, few, mesh, native, ortho, persp, render, scene, sphere, square, sun
 
 COST = 5.2
 
@@ -288,6 +288,19 @@ def vectors_of(**changes):
     native.image(job, found, "VECTOR")
     native.free(job)
     return found
+
+
+@pytest.mark.parametrize("apart", [0, 1])
+@pytest.mark.parametrize("others", [[], [sphere(4, center=(9, 0, 0))], [sphere(4, center=(9, 0, 0)), square(0.1, -5.0)]])
+def test_vectors_of_what_turns(others, apart):
+    """Each point its own, whatever other meshes there are: by -.5 before, by .7 afterwards."""
+    own = [{"mesh": k, "matrix": np.eye(4).ravel().tolist()} for k in range(len(others) + 1)]
+    own[-1] |= {"motion": np.stack([matrix(angle=angle) for angle in (-0.5, 0, 0.7)])}
+    found = vectors_of(meshes=[*others, square(2.0)], instances=own, apart=apart)
+    at = np.stack(np.meshgrid(np.arange(16) - 7.5, np.arange(16) - 7.5), -1)
+    before, after = (at @ matrix(angle=angle)[:2, :2].T for angle in (-0.5, 0.7))
+    expected = np.concatenate([before - at, at - after], -1)
+    np.testing.assert_allclose(found, expected, atol=0.55)  # at its first sample
 
 
 @pytest.mark.parametrize("kind", ["EQUIRECTANGULAR", "FISHEYE_EQUIDISTANT"])
