@@ -10,7 +10,7 @@ import pytest
 from native_scenes import (area, box, finish, image, material, native, ortho, persp, point, registers, scene,
                            sky, sphere, square, sun)
 
-COST = 6.6
+COST = 4.5
 
 SIDE = 12
 STEPS = 10 if "ASAN_OPTIONS" in os.environ else 40  # a sanitizer looks at memory; it is slow

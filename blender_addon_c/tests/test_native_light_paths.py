@@ -11,7 +11,7 @@ from native_scenes import (
     area, ashikhmin_shirley, box, chance, few, image, material, mesh, native, ortho, persp, point, render, scene, sky, sphere,
     spot, square, sun)
 
-COST = 5.8
+COST = 4.2
 
 EYE = (0.6, 0, 0.8)  # seen from there, the plate's middle looks at the light
 
