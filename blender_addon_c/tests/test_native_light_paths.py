@@ -133,6 +133,29 @@ def test_what_gathers_light_is_as_large_as_its_object(size):
     assert (np.isclose(*pictures, rtol=1e-3).all(-1)).mean() > 0.97
 
 
+@pytest.mark.parametrize("kind", ["metal", "glass", "weighed by a node"])
+@pytest.mark.parametrize("placed", [False, True])
+def test_what_gathers_light_is_aimed_at(kind, placed):
+    """A small ball far above a plate mirrors a bright floor with its lower half. One of 400 draws would meet it by chance, and a pixel's
+    noise would be 1.8 times the mean."""
+    mirror = material(mdf="GGX", brdf="MICROFACET", fresnel="NONE", f0=(1, 1, 1), ax=1e-3, ay=1e-3)
+    if kind == "glass":
+        pane = {"closure": "GLASS", "ior": [1.5], "alpha": [1e-4], "tint": (1, 1, 1), "reflects": True, "refracts": False, "joint": True}
+        mirror = {"name": "", "nodes": [], "closures": [pane]}
+    if kind == "weighed by a node":
+        node = {"type": "MATH", "operation": "ADD", "a": [1.0], "b": [0.0], "c": [0.0], "out": [(9,)]}
+        lobe = {key: value for key, value in mirror.items() if key not in ("name", "nodes")}
+        mirror = {"name": "", "nodes": [node], "closures": [lobe | {"weight": [(9,)] * 3}]}
+    ball = sphere(24, 0.05 if placed else 0.5, (0, 0, 0) if placed else (0, 0, 10))
+    place = np.diag([10.0, 10, 10, 1]) if placed else np.eye(4)
+    place[2, 3] = 10.0 if placed else 0.0
+    instances = [{"mesh": k, "matrix": matrix.ravel().tolist()} for k, matrix in enumerate((np.eye(4), place, np.eye(4)))]
+    meshes = [square(0.2), ball | {"material": ball["material"] + 1}, square(500.0, -1.0, 2)]
+    seen = picture(meshes=meshes, instances=instances, materials=[matt(1.0), mirror, shining(1.0)], lights=[], camera=ortho(0.1),
+                   width=16, height=16, samples=256, max_bounces=2)[..., 0]
+    assert seen.std() < 1.1 * seen.mean() and seen.mean() == pytest.approx(0.5 * 0.05**2, rel=0.2)
+
+
 def test_a_lamp_before_what_gathers_light():
     """Draws of the plate are aimed at a mirror far behind the lamp, which covers a part of it: samples of the lamp
     and they share its light still. It shines downwards, so that the mirror is dark."""
