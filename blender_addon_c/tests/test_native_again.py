@@ -282,10 +282,12 @@ def test_what_is_moved_leaves_nothing():
 def test_scratches_that_are_laid(order, change):
     """There is one twice, or the first one changes."""
     def scratched(*fields):
-        said = [{"type": "GEOMETRY", "what": "UV", "out": registers(3, 3)}]
-        node = {"type": "SCRATCHES", "what": "NORMAL", "at": registers(3, 2), "near": [0.01, 0.0] * 2, "step": 0.01, "amount": [1.0],
-                "normal": [0.0, 0.0, 1.0], "out": registers(6, 3)}
-        materials = [material() | {"nodes": [*said, node | {"field": k}], "normal": registers(6, 3)} for k in range(2)]
+        (u, v, _), (nearer, higher) = uv, near = registers(3, 3), registers(6, 2)
+        said = [{"type": "GEOMETRY", "what": "UV", "out": uv},
+                *({"type": "MATH", "operation": "ADD", "a": [a], "b": [0.125], "c": [0.0], "out": [b]} for a, b in zip(uv, near))]
+        node = {"type": "SCRATCHES", "what": "NORMAL", "at": uv[:2], "near": [nearer, v, u, higher], "step": 0.125, "amount": [1.0],
+                "normal": [0.0, 0.0, 1.0], "out": registers(8, 3)}
+        materials = [material() | {"nodes": [*said, node | {"field": k}], "normal": registers(8, 3)} for k in range(2)]
         return scene(apart=100, samples=1, scratches=list(fields), materials=materials, meshes=[square(), square(0.5, 0.1, 1)])
 
     laid = [{"density": 0.1, "length": 30.0, "width": 5.0, "depth": 0.2, "direction": 0.3, "spread": 0.6, "seed": seed, "tile": 0.5}
