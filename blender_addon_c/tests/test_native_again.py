@@ -278,7 +278,7 @@ def test_what_is_moved_leaves_nothing():
     assert held[-1] == pytest.approx(held[1], abs=8 << 10)
 
 
-@pytest.mark.parametrize("order, change", [((0, 0), {}), ((0, 1), {"seed": 6.0}), ((0, 1), {"tile": 0.4})])
+@pytest.mark.parametrize("order, change", [((0, 0), {}), ((0, 1), {"seed": 6.0})])
 def test_scratches_that_are_laid(order, change):
     """There is one twice, or the first one changes."""
     def scratched(*fields):
