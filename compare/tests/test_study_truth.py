@@ -285,6 +285,19 @@ def test_altered_rows_are_noticed(rows, number, altered):
     assert [f.holds for f in study_truth.findings(changed)][number] is False
 
 
+def test_an_approximate_rotation_of_other_lobes():
+    """The same for Ashikhmin-Shirley's, and off for others, by as much as the worst of them: what the finding says holds where both do."""
+    def said(same, off):
+        where = {"kind": "picture", "base": "plate", "bumps": "waves"}
+        found = [{**where, "material": material, "distribution": mdf, "slope": slope, "method": method, "error_point": 0.01 + (method != "rotate") * more * slope}
+                 for material, mdf, more in ((G, "ashikhmin_shirley", same), ("GGX .1, .4", "ggx", off), ("GGX .2, .3", "ggx", off / 2)) for slope in (0.5, 1)
+                 for method in ("rotate", "rotate_approximate")]
+        return study_truth.finding_approximate(found)
+    for same, off, holds in ((0, 0.1, True), (1e-12, 0.1, True), (1e-6, 0.1, False), (0, 0.005, False)):
+        assert said(same, off).holds == holds, (same, off)
+    assert "GGX .1, .4 it is off by up to 11 %, at slope 1." in said(0, 0.1).text and "the same to 1e-06" in said(1e-6, 0.1).text, said(0, 0.1).text
+
+
 def test_steep_bumps_as_truth_py_renders_them(monkeypatch, tmp_path):
     """Pictures of the first sky by one exposure, white at 2.5 times what the displaced one is in the mean; errors of all skies."""
     asked = []

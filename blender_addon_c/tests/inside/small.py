@@ -899,6 +899,107 @@ def test_a_sheet_of_pictures():
     assert script["catalog"]("Libshade/Metals") == "ac73227c-25f4-579d-95e1-9ccb913f2dda"
 
 
+def test_a_thin_sheet_by_its_bounces():
+    """Of light that meets a side r is reflected, what goes through loses by its colour, to and fro; as much over what facets leave. With hardly any
+    roughness light passes straight."""
+    thin, does = module("export.closure_thin"), {**module("export.graph")._FOLDED, "POWER": lambda a, b, _c: a**b, "GREATER_THAN": lambda a, b, _c: float(a > b)}
+    principled, made, warned = module("export.closure_principled")._From40, [], []
+    reader = Of(program=Of(math=lambda word, a, b=0.0, c=0.0: does[word](a, b, c)), warn=warned.append)
+    base, edge, cosine, eta = (0.9, 0.5, 0.2), (1.0, 1.0, 0.25), 0.6, 1.5
+    inside = math.sqrt(1 - (1 - cosine**2) / eta**2)
+    mirror = sum(((a - b) / (a + b)) ** 2 for a, b in ((cosine, eta * inside), (eta * cosine, inside))) / 2
+    parts = {"number_of": lambda _reader, socket, _groups: socket, "alpha_of": lambda *_which: 0.01, "film_of": lambda *_which: None, "_cosine": lambda _reader, normal: cosine if normal == "n" else 0,
+             "Lobe": lambda _reader, alpha, normal: Of(one=0.8 if alpha == 0.01 else 0.7), "add": lambda _reader, *what: made.append(what)}
+    back, on = [], []
+    for part, tint in zip(base, edge):
+        r = 0.04 * tint + (mirror - 0.04) / 0.96 * (1 - 0.04 * tint)
+        light, seen = 1 - r, [r, 0.0]
+        for bounce in range(60):
+            light *= part ** (1 / inside)
+            seen[1 - bounce % 2] += light * (1 - r)
+            light *= r
+        back.append(seen[0])
+        on.append(seen[1])
+    with replaced(thin, **parts):
+        for roughness in (0.003, 0.1):
+            made.clear()
+            sheet = Of(thin=True, reader=reader, node=Of(name="pane", inputs={"IOR": eta, "Roughness": roughness}), groups=(), base=base, edge=edge, normal="n")
+            principled._transmission(sheet, 0.5)
+            (passed, weight, *_), (mirrored, shine, *more) = (made[0], made[1]) if roughness < 0.01 else (made[1], made[0])
+            assert len(made) == 2 and close(shine, np.multiply(back, 0.5 / 0.8)) and more[0] == "n" and close(more[1], back), (roughness, shine, back)
+            assert (mirrored["closure"], mirrored["alpha"], mirrored["straight"], mirrored["reflects"], mirrored["refracts"]) == ("GLASS", [0.01], False, True, False)
+            if roughness < 0.01:
+                assert passed == {"closure": "TRANSPARENT"} and close(weight, np.multiply(on, 0.5)), (weight, on)
+            else:
+                assert (passed["closure"], passed["straight"]) == ("GLASS", True) and 1e-4 < passed["alpha"][0] < 0.01 and close(weight, np.multiply(on, 0.5 / 0.7)), (weight, on)
+    assert not warned
+    assert [thin._through(reader, 0.3, index) < 0.3 for index in (1.0, 1.2, 1.5)] == [True] * 3 and thin._through(reader, 0.3, 1.0) == 1e-4  # nothing is bent
+
+
+def test_green_that_points_down():
+    """Of a normal map: from the other end."""
+    bends = module("export.node_normal")
+    reader = Of(program=module("export.graph").Program())
+    with replaced(bends, vector_in=lambda *_which: (0.1, 0.3, 0.9)):
+        for node, wanted in ((Of(), 0.3), (Of(convention="OPENGL"), 0.3), (Of(convention="DIRECTX"), 0.7)):
+            assert close(bends._color_of(reader, Of(node=node)), (0.1, wanted, 0.9))
+    assert bends._across(reader, [1.0, 2.0, 3.0], True) == [1.0, -2.0, 3.0] and bends._across(reader, [1.0, 2.0, 3.0], False) == [1.0, 2.0, 3.0]
+
+
+def test_zones_that_repeat():
+    """The first turn has what is linked to the zone, each other what the one before made; a zone within another asks its own turn."""
+    tree = module("export.tree")
+
+    class Sockets(list):
+        def __getitem__(self, name):
+            return next(socket for socket in self if socket.identifier == name)
+    socket = lambda text: Of(identifier="item", text=text)
+    (first, last), (inner, end) = ((Of(type="REPEAT_INPUT", inputs=Sockets([Of(identifier="Iterations"), socket(f"into {name}")])),
+                                    Of(type="REPEAT_OUTPUT", inputs=[socket(f"made by {name}")])) for name in ("outer", "inner"))
+    for one, other in ((first, last), (inner, end)):
+        one.paired_output, other.id_data = other, Of(nodes=[inner, first])
+    item, group, turn = Of(identifier="item"), Of(), tree.Turn
+    for function, node, groups, wanted, left in (
+            (tree._repeat_input, first, (group, turn(last, 0)), "into outer", (group,)), (tree._repeat_input, first, (group, turn(last, 3)), "made by outer", (group, turn(last, 2))),
+            (tree._repeat_input, first, (group, turn(last, 1), turn(end, 4)), "made by outer", (group, turn(last, 0))),
+            (tree._repeat_input, first, (turn(last, 0), turn(end, 4)), "into outer", ()),
+            (tree._repeat_input, inner, (group, turn(last, 1), turn(end, 4)), "made by inner", (group, turn(last, 1), turn(end, 3))),
+            (tree._repeat_input, inner, (turn(last, 1), turn(end, 0)), "into inner", (turn(last, 1),))):
+        found, after = function(node, item, groups)
+        assert (found.text, after) == (wanted, left), (groups, found, after)
+    assert tree._repeat_input(first, item, ()) == (None, ()) and tree._repeat_input(first, item, (group,)) == (None, (group,))
+    assert tree._repeat_input(first, Of(identifier="Iteration"), (turn(last, 1),)) == (None, (turn(last, 1),))
+    for times, wanted, left in ((0, "into outer", (group,)), (-2, "into outer", (group,)), (2.0, "made by outer", (group, turn(last, 1))), (1000, "made by outer", (group, turn(last, 999))),
+                                (1001, None, (group,)), (None, None, (group,))):
+        with replaced(tree, known=lambda _socket, _groups, times=times: times):
+            found, after = tree._repeat_output(last, item, (group,))
+        assert (found and found.text, after) == (wanted, left), (times, found, after)
+    said = [tree.iteration(Of(node=node, output=Of(identifier="Iteration"), groups=(turn(last, 2), turn(end, 5), group))) for node in (inner, first)]
+    assert said == [5, None]
+
+
+def test_vertices_in_one_place_are_one():
+    """Nearer than the root of a float's epsilon, with sums of coordinates no more than three of it apart; whoever is one with another is one with all of its. An
+    octahedron's tips are a quarter of a half-turn more than flat, whether its faces share them or not."""
+    islands, step = module("export.islands"), 2.0**-13  # the limit of a step along x and back along y is twice that
+    eps = 2.0**-23
+    for by, one in (((0, 0, 0), True), ((step, -step, 0), True), ((2 * step, -2 * step, 0), False), ((1.5 * step, -1.5 * step, 0), True), ((step, step, step), False),
+                    ((-step, 0, step), True), ((step, -step, 3 * eps), True), ((step, -step, 4 * eps), False), ((0.5, -0.5, 0), False)):
+        for at in ((0, 0, 0), (0.25, -0.5, 0.125)):
+            seen = islands._welded(np.float32([at, np.add(at, by), (3, 3, 3)]))
+            assert (seen[0] == seen[1]) == one and seen[2] not in seen[:2], (by, at, seen)
+    chain = [(k * step, 0.25 - k * step, 0) for k in (0, 3, 1, 2, 9, 10)]
+    seen = islands._welded(np.float32(chain))
+    assert len(set(seen[:4])) == 1 == len(set(seen[4:])) and seen[0] != seen[4]
+    tips = np.concatenate([np.eye(3), -np.eye(3)])
+    faces = [(a, b, c) for a in (0, 3) for b in (1, 4) for c in (2, 5)]
+    alone = np.float32([tips[k] + ((number % 3) * step * (k % 3 == 0), -(number % 3) * step * (k % 3 == 0), 0) for number, face in enumerate(faces) for k in face])
+    ends = lambda faces: np.array([(face[k], face[(k + 1) % 3]) for face in faces for k in range(3)])
+    whole = islands.pointiness(tips.astype(np.float32), tips, ends(faces))
+    split = islands.pointiness(alone, np.concatenate([tips[list(face)] for face in faces]), ends(np.arange(24).reshape(8, 3)))
+    assert np.allclose(whole, 0.75, atol=1e-5) and np.allclose(split, 0.75, atol=1e-3), (whole, split)
+
+
 def test_how_finely_a_world_of_nodes_is_rendered():
     """Of 1024 rows, in a viewport of half as many; of as many as its largest image has, up to twice that. Of a lamp a quarter."""
     around, asked = module("export.around"), []
