@@ -138,6 +138,7 @@ def test_default_questions_and_rows_of_one_tool(tool, tmp_path):
 @pytest.mark.parametrize("body, arguments, words", [
     ("exit 3", [], "status 3"),
     ("echo wrong >&2; exit 1", [], "wrong"),
+    ("seq 12 >&2; exit 1", [], "status 1\n5\n6\n7\n8\n9\n10\n11\n12\n"),  # the last eight lines
     ('echo "D,rotate"', [], "without a time"),
     (ROW % "2", ["--pairs", "0"], "--pairs 0: expected 1 or more"),
     (ROW % "2", ["--limit", "-1"], "--limit -1.0: expected more than 0"),
