@@ -505,6 +505,16 @@ def test_numbers_of_lobes():
         eta, k = film._index_of(reader, base, edge)
         for n, extinction, wanted in zip(eta, k, base):
             assert n > 0 and extinction >= 0 and close(((n - 1) ** 2 + extinction**2) / ((n + 1) ** 2 + extinction**2), wanted, 1e-4), (wanted, n, extinction)
+    metal, c = module("export.closure_metal"), (np.arange(20000) + 0.5) / 20000
+    conductor = metal._conductor  # within a hundredth of Fresnel's, of amplitudes across and in the plane of incidence
+    for index in (0.2 - 3.9j, 1.5 - 7.5j, 3 - 3j):
+        for cosine in (1.0, 0.5, 1 / 7):
+            inside = (1 - (1 - cosine**2) / index**2) ** 0.5
+            wanted = sum(abs((a - b) / (a + b)) ** 2 for a, b in ((cosine, index * inside), (index * cosine, inside))) / 2
+            assert abs(conductor(reader, index.real, -index.imag, cosine) - wanted) < (0.01 if cosine < 1 else 1e-9), (index, cosine)
+    for head_on, lost in ((0.5, 0.0), (0.8, 0.3)):  # Schlick's at 82 degrees, and the mean of even light with so much less there
+        seen = head_on + (1 - head_on) * (1 - c) ** 5 - lost * c * (1 - c) ** 6 * 7 * (7 / 6) ** 6
+        assert close(metal._schlick_82(reader, head_on), head_on + (1 - head_on) * (6 / 7) ** 5) and close(metal._means(reader, (head_on,), (lost,)), (2 * c * seen).mean(), 1e-4)
     # two bounces of colour c between facets of which one is left: c + c c (1 - one) ... in the mean
     one, mean = 0.8, 0.7
     assert close(lobe.kept(reader, (0.5, 1.0), one, mean), [1 + part * mean / (1 - part * (1 - mean)) * (1 - one) / one for part in (0.5, 1.0)])
