@@ -524,6 +524,17 @@ def test_numbers_of_lobes():
     assert [lobe.is_smooth(alpha) for alpha in (1e-4, 1e-3, 0.2)] == [True, False, False]
 
 
+def test_images_of_scratches_are_packed_as_they_are():
+    """Whichever way is the shorter: each texel by itself, or by what it differs from the one before."""
+    images, (y, x) = module("scratches.images"), np.mgrid[:5, :40]
+    even, chance = np.stack([5 * x, 250 - 5 * x + y, 3 * x], -1), np.random.default_rng(1).integers(0, 256, (5, 40, 3))
+    for levels in (even, chance, np.where(chance > 250, 255, 128)):
+        image = images._image_of_bytes("levels", levels)
+        assert tuple(image.size) == (40, 5) and image.packed_file and image.colorspace_settings.is_data
+        assert np.array_equal(np.rint(255 * np.reshape(image.pixels[:], (5, 40, 4))[..., :3]), levels)
+        bpy.data.images.remove(image)
+
+
 def test_light_becomes_bytes_and_back():
     image = module("export.image")
     for light, byte in ((0.0, 0.0), (0.002, 0.02584), (0.2140411, 0.5), (1.0, 1.0), (3.0, 1.0), (-1.0, 0.0)):
