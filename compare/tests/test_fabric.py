@@ -26,6 +26,24 @@ def test_module_and_tool_agree():
     assert np.array(tool.split(), float).reshape(ours.shape) == pytest.approx(ours, rel=1e-12)
 
 
+def test_points_fill_a_square_evenly():
+    """Its 64 parts alike, within what a lattice's points do."""
+    for count, span in ((4096, 50), (1000, 0.5)):
+        points = fabric.spread(count, span)
+        held = np.histogram2d(*points.T, bins=8, range=[[0, span]] * 2)[0]
+        assert held.sum() == count and np.abs(held - count / 64).max() < 4, held
+
+
+def test_moments_and_turns():
+    """Of a half sphere that shines as the cosine, a quarter along either axis; the largest way back, whichever way a curve goes."""
+    h = np.random.default_rng(3).normal(size=(200000, 3))
+    h /= np.linalg.norm(h, axis=1)[:, None] * np.where(h[:, 2:] < 0, -1, 1)
+    found = fabric.moments(h, h[:, 2:] ** 2 * (1, 2, 3))
+    assert found.shape == (2, 3) and np.allclose(found, 0.25, atol=5 * 0.17 / 200000**0.5)
+    for means, back in (([1, 2, 1.5, 3], 0.5), ([3, 1, 2, 0], 1), ([1, 2, 3], 0), ([0, 5, 2, 4], 3)):
+        assert fabric.turned_back(np.array(means, float)) == back, means
+
+
 def test_verdict(tmp_path, capsys):
     assert fabric.main(["wool_flannel", "--points", "8192", "--output", str(tmp_path)]) == 0
     assert "Within the limits" in capsys.readouterr().out
