@@ -491,7 +491,7 @@ def test_pov_ray_is_asked(job, tmp_path):
     assert log.asked[0][0][-2:] == ["+SF3", "+EF3"] and "+KFI1" not in log.asked[0][0]
 
 
-def test_what_a_scene_of_pov_ray_needs(tmp_path):
+def test_what_a_scene_of_pov_ray_needs(tmp_path, monkeypatch):
     home, library = tmp_path / "home", tmp_path / "library"
     for path, text in ((home / "a.pov", '#include "b.inc" // "c.inc"\n/* "c.inc" */ image_map { png "d.png" } "e\\"f"'), (home / "b.inc", '#include "l.inc"'), (home / "c.inc", ""),
                        (home / "d.png", '"c.inc"'), (library / "l.inc", ""), (library / "b.inc", ""), (home / "s.ini", "Width = 64 ; columns\nHeight=48\nFinal_Frame=9\n")):
@@ -506,6 +506,12 @@ def test_what_a_scene_of_pov_ray_needs(tmp_path):
     assert not ask()["clock"] and ask("+KFF9")["clock"] and ask("Height=50")["size"] == [64, 50] and ask("-w32")["size"] == [32, 48]
     for words in ([], ["+W64"], ["+H48"]):
         assert povray.examine(str(home / "a.pov"), options(words=words))["no_tiles"] == "tiles need the picture's size: give +W and +H behind --", words
+    monkeypatch.chdir(home)
+    for word, text, height in (("T.INI", "Height=12\n", 12), ("+A0.3", "Height=12\n", 0), ("gone.ini", None, 0)):  # files of options are called so, and are there
+        if text:
+            (home / word).write_text(text)
+        said = povray.examine("a.pov", options(words=["+W64", word]))
+        assert said["size"] == [64, height] and said["words"] == ["+W64", str(home / word) if height else word] and (str(home / word) in said["inputs"]) == bool(height), word
     assert ask("+FN")["no_tiles"] == ask("+FN16")["no_tiles"] == "" and ask("+FE")["no_tiles"] == ask("Output_File_Type=J")["no_tiles"] == "tiles are joined as PNG (+FN) only"
     (home / "a.pov").write_text("global_settings { radiosity { } }")
     assert ask()["no_tiles"].startswith("radiosity gathers light over what is rendered")
