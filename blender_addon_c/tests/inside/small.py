@@ -954,6 +954,8 @@ def test_a_thin_sheet_by_its_bounces():
             else:
                 assert (passed["closure"], passed["straight"]) == ("GLASS", True) and 1e-4 < passed["alpha"][0] < 0.01 and close(weight, np.multiply(on, 0.5 / 0.7)), (weight, on)
     assert not warned
+    seen = Of(program=Of(math=reader.program.math, emit=lambda _kind, **_given: (0.6, 0.0, 0.8)))
+    assert close([thin._cosine(seen, normal) for normal in (None, (0.6, 0.0, 0.8), (0.8, 0.0, -0.6))], (0.8, 1, 0))
     assert [thin._through(reader, 0.3, index) < 0.3 for index in (1.0, 1.2, 1.5)] == [True] * 3 and thin._through(reader, 0.3, 1.0) == 1e-4  # nothing is bent
 
 
@@ -1012,6 +1014,9 @@ def test_vertices_in_one_place_are_one():
     chain = [(k * step, 0.25 - k * step, 0) for k in (0, 3, 1, 2, 9, 10)]
     seen = islands._welded(np.float32(chain))
     assert len(set(seen[:4])) == 1 == len(set(seen[4:])) and seen[0] != seen[4]
+    between = np.float32([(0.05, 0.5, 0.95), (0.95, 0.5, 0.05), (0.15, 0.4, 0.95)]) * eps**0.5 + np.float32([(0, 0, 0), (0, 0, 5e-8), (0, 0, 1e-7)])
+    seen = islands._welded(between)  # the second's sum is between those of the others, from which it is far
+    assert seen[0] == seen[2] != seen[1]
     tips = np.concatenate([np.eye(3), -np.eye(3)])
     faces = [(a, b, c) for a in (0, 3) for b in (1, 4) for c in (2, 5)]
     alone = np.float32([tips[k] + ((number % 3) * step * (k % 3 == 0), -(number % 3) * step * (k % 3 == 0), 0) for number, face in enumerate(faces) for k in face])
@@ -1019,6 +1024,8 @@ def test_vertices_in_one_place_are_one():
     whole = islands.pointiness(tips.astype(np.float32), tips, ends(faces))
     split = islands.pointiness(alone, np.concatenate([tips[list(face)] for face in faces]), ends(np.arange(24).reshape(8, 3)))
     assert np.allclose(whole, 0.75, atol=1e-5) and np.allclose(split, 0.75, atol=1e-3), (whole, split)
+    hat = islands.pointiness(np.float32([(0, 0, 0), (1, 0, 1), (2, 0, 0), (5, 5, 5)]), np.tile((0.0, 0.0, 2.0), (4, 1)), np.array([(0, 1), (2, 1)]))
+    assert np.allclose(hat, (0.5, 1.25 / 3, 0.5, 0), atol=1e-5), hat  # the means of a quarter, three quarters and a quarter with their neighbours
 
 
 def test_how_finely_a_world_of_nodes_is_rendered():
