@@ -208,8 +208,11 @@ def test_the_last_register_may_be_read(tmp_path, path):
     assert (found["L.Combined.G"] == 0).all() and found["L.Combined.R"].all() and found["L.Combined.B"].all()
 
 
-def test_a_file_that_ends_in_its_header_is_told(tmp_path, path):
+def test_a_file_that_ends_early_is_told(tmp_path, path):
     whole = path.read_bytes()
+    path.write_bytes(whole[:-64])
+    done = run(path, "-o", tmp_path / "x.exr")
+    assert done.returncode == 1 and "]: shape must be whole numbers" in done.stderr, done.stderr
     for end in (16, 64, 640):
         path.write_bytes(whole[:end])
         done = run(path, "-o", tmp_path / "x.exr")

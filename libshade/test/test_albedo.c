@@ -154,6 +154,28 @@ static void every_diffuse_model(void **state) {
   assert_true(worst <= 0.005);
 }
 
+/* Where Duer's lobe grows without end: exact at the first ring, which is all that is below it. */
+static void grazing(void **state) {
+  (void)state;
+  const double rings[] = {0.01, 0.02, 1 / 31.0}; /* of the root of wo.z */
+  shade_params p;
+  shade_params_init(&p);
+  p.brdf = SHADE_BRDF_WARD_DUR;
+  p.fresnel = SHADE_FRESNEL_NONE;
+  shade_params_set_alphas(&p, 0.3, 0.3);
+  shade_bsdf_albedo *a = create(&p);
+  for (int i = 0; i < 3; i++) {
+    const double root = fmax(rings[i], 0.02);
+    double wo[3], want[3], got[3];
+    direction(root * root, 0.4, wo);
+    specular_of(&p, wo, want);
+    direction(rings[i] * rings[i], 0.4, wo);
+    shade_bsdf_albedo_eval(a, NULL, wo, got, NULL);
+    assert_near(got[0], want[0], 0.01 * want[0]);
+  }
+  shade_bsdf_albedo_free(a);
+}
+
 /* What the white furnace promises: a microfacet lobe gives back no more than it gets. */
 static void white_furnace(void **state) {
   (void)state;
@@ -203,6 +225,13 @@ static void normals(void **state) {
       shade_ref_carried(&rotate, n, wo, carried);
       shade_bsdf_albedo_eval(a, n, wo, got, NULL);
       shade_bsdf_albedo_eval(a, NULL, carried, want, NULL);
+      for (int c = 0; c < 3; c++)
+        assert_near(got[c], want[c], 1e-9);
+      /* one from behind is raised to where it grazes */
+      const double behind[3] = {sin(tilt) * cos(phi), sin(tilt) * sin(phi), -cos(tilt)};
+      const double raised[3] = {behind[0], behind[1], 1e-4};
+      assert_int_equal(shade_bsdf_albedo_eval(a, behind, wo, got, NULL), SHADE_CLAMPED_NORMAL);
+      shade_bsdf_albedo_eval(a, raised, wo, want, NULL);
       for (int c = 0; c < 3; c++)
         assert_near(got[c], want[c], 1e-9);
       /* nearly unit is made unit, too */
@@ -280,9 +309,9 @@ static void batches_and_bad_input(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(every_lobe),
-                                     cmocka_unit_test(every_diffuse_model),
-                                     cmocka_unit_test(white_furnace), cmocka_unit_test(normals),
-                                     cmocka_unit_test(batches_and_bad_input)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_lobe), cmocka_unit_test(every_diffuse_model),
+      cmocka_unit_test(grazing),    cmocka_unit_test(white_furnace),
+      cmocka_unit_test(normals),    cmocka_unit_test(batches_and_bad_input)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

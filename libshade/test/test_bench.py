@@ -184,6 +184,7 @@ def test_diffuse_and_lobes(tmp_path):
     assert [row["what"] for row in lobes if row["distribution"] == "ggx"] == [f"lobes_{n}" for n in (1, 2, 3, 4, 6, 8)]
     reference = read_apart(bench("--csv", "--what", "reference"))
     assert len(reference) == 5 and all(row["what"] == "D_reference" and float(row["ns"]) > 0 for row in reference)
+    assert all(float(row["ratio_perturb"]) == 1 for row in reference)
     assert {row["distribution"] for row in lobes} == {"ashikhmin_shirley", "ward", "ward_half", "beckmann", "ggx"}
 
 

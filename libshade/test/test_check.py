@@ -410,6 +410,7 @@ def test_one_bad_value_on_cloth(near_cloth, tmp_path, channel, value, words):
     (["yarns", "warp", "width"], 0, "bad value of 'width': expected a number from "),
     (["yarns", "occlusion"], "dusk", "bad value of 'occlusion': expected \"none\" or "),
     (["cloth", "nap"], "much", "bad value of 'nap'"), (["cloth", "mdf"], "x", "bad value of 'mdf': expected \""),
+    (["cloth", "weft", "diffuse"], "x", "bad value of 'diffuse': expected \""),
     (["cloth", "warp", "kd"], [1, 2], "bad value of 'kd': expected [r, g, b]"),
     (["cloth", "horizon"], None, "lacks 'horizon'"), (["yarns", "weft"], None, "lacks 'weft'"),
     (["cloth", "sheen"], 1, "unknown or repeated key in 'cloth'")])

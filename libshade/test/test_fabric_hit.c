@@ -907,6 +907,8 @@ static void short_structures(void **state) {
       assert_near(s[a], m.rgb[a][i], 1e-12 * (1 + s[a]));
   }
   assert_int_equal(shade_fabric_eval_batch(c.fabric, 0, &in, SHADE_TIER_NEAR, &less), SHADE_OK);
+  assert_int_equal(shade_fabric_eval_batch(c.fabric, 0, NULL, SHADE_TIER_NEAR, NULL), SHADE_OK);
+  assert_int_equal(shade_fabric_hits_eval(c.fabric, 0, NULL, NULL, NULL), SHADE_OK);
   close_cloth(&c);
 }
 

@@ -396,6 +396,9 @@ static void roughness(void **state) {
   assert_int_equal(shade_params_set_roughness(&p, SHADE_ROUGHNESS_GLTF, 2, NAN),
                    SHADE_CLAMPED_PARAMETER);
   assert_true(p.ax == 1 && p.ay == 1);
+  assert_int_equal(shade_params_set_roughness(&p, SHADE_ROUGHNESS_OPENPBR, NAN, 0),
+                   SHADE_CLAMPED_PARAMETER);
+  assert_true(p.ax == 1e-4 && p.ay == 1e-4);
   assert_int_equal(shade_params_set_roughness(&p, (shade_roughness)-1, 1, 0), SHADE_BAD_CHOICE);
   const char *word;
   int value, rows = 0;

@@ -18,6 +18,10 @@
 #include "support.h"
 #include "test/posix.h"
 
+#ifndef _WIN32
+#include <sys/mman.h>
+#endif
+
 enum { DEEP = 24, LONGEST = 4096 };
 static char folder[] = "/tmp/shade-port-XXXXXX";
 static char error[256];
@@ -200,6 +204,10 @@ static void files_as_memory(void **state) {
   assert_int_equal(size, 4);
   assert_memory_equal(map, "a\r\nb", 4);
   shade_port_unmap(map, size);
+#ifndef _WIN32
+  assert_int_equal(msync(map, size, MS_ASYNC), -1); /* given back */
+  assert_int_equal(errno, ENOMEM);
+#endif
   assert_int_equal(shade_port_remove(path), 0);
   assert_null(shade_port_map(folder, &size));
   assert_int_equal(errno, EINVAL);

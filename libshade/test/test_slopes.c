@@ -469,6 +469,10 @@ static void bad_pictures_are_mended(void **state) {
   shade_slope_map *m = shade_slope_map_create(good, 2, 1, 3, &o, &status);
   assert_int_equal(status, SHADE_BAD_CHOICE | SHADE_CLAMPED_PARAMETER);
   shade_slope_map_free(m);
+  m = shade_slope_map_create(good, 2, 1, 3, &(shade_slope_options){sizeof o, .wrap = (shade_wrap)3},
+                             &status);
+  assert_int_equal(status, SHADE_BAD_CHOICE);
+  shade_slope_map_free(m);
   shade_slope_map_free(NULL);
 }
 

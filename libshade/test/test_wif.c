@@ -292,6 +292,11 @@ static void counting_from_0(void **state) {
       "cloth.wif: mended: line 5: the colours of yarns count from 0");
   assert_true(d->warp[0].color[0] == 1 && d->weft[0].color[1] == 1 && d->weft[0].color[0] == 0);
   shade_draft_free(d);
+  d = parse_warned("[WARP COLORS]\n1=0\n[WEFT COLORS]\n1=1\n2=0\n"
+                   "[COLOR TABLE]\n1=255,0,0\n2=0,255,0\n" STRAIGHT TIED TROD,
+                   "cloth.wif: mended: line 6: the colours of yarns count from 0");
+  assert_true(d->warp[0].color[1] == 0 && d->weft[0].color[0] == 0 && d->weft[1].color[1] == 0);
+  shade_draft_free(d);
   /* colour 0 is none where the table has more */
   d = parse("[WARP]\nColor=0\n[WEFT]\nColor=1\n[COLOR TABLE]\n1=255,0,0\n2=0,255,0\n"
             "3=0,0,255\n" STRAIGHT TIED TROD);

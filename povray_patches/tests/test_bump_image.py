@@ -253,6 +253,11 @@ def test_black_and_not_a_number_are_flat(render, shade_check, tmp_path):
     assert np.isfinite(dump.S).all() and np.isfinite(dump.Ns).all()
     check(dump, np.broadcast_to([0.0, 1, 0], dump.Ns.shape))
     shade_check(dump)
+    # what half the strength makes of normals straight down has no direction
+    write(tmp_path / "map.exr", np.full((2, 2, 3), (.5, .5, 0), np.float32), "float")
+    dump = render(TOP + textured(quad(), more="strength .5"), (96, 72)).dump
+    assert np.isfinite(dump.S).all()
+    check(dump, np.broadcast_to([0.0, 1, 0], dump.Ns.shape))
 
 
 def test_slopes_of_normal_and_bump_image_add(render, shade_check, colours):

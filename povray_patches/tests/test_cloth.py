@@ -438,15 +438,31 @@ camera { orthographic location <2.5, 9, 1> right 6*x up 3*y look_at <2.5, 0, 1> 
     assert made["Brass"][0][0] == pytest.approx([.4777, .5235, 1.128])
 
 
-@pytest.mark.parametrize("word", ["denim", "silk_charmeuse", "wool_flannel"])
-def test_even_light_shows_the_albedo(render, word):
+@pytest.mark.parametrize("word, camera", [
+    ("denim", FRONT), ("silk_charmeuse", FRONT), ("wool_flannel", FRONT),
+    ("denim", FRONT.replace("orthographic location <0, 0, -3>", "location <0, 0, -300> direction 300*z aperture .01 focal_point 0 blur_samples 16, 16"))])
+def test_even_light_shows_the_albedo(render, word, camera):
     """In a white room rays find the albedo; `ambient 1` shows the library's table of it, within its 5 %."""
     room = "background { rgb 1 } "
-    lit = render(scene(room + sheet() + cloth(f'preset "{word}" crossings 900', more="reflection { samples 256 }") + "}", "", FRONT),
+    lit = render(scene(room + sheet() + cloth(f'preset "{word}" crossings 900', more="reflection { samples 256 }") + "}", "", camera),
                  size=(12, 12), dump=False).image.mean((0, 1))
     shown = render(scene(room + sheet() + cloth(f'preset "{word}" crossings 900', ambient=1) + "}", "", FRONT),
                    size=(12, 12), dump=False).image.mean((0, 1))
     assert lit == pytest.approx(shown, rel=.06)
+
+
+@pytest.mark.parametrize("plate, settings", [
+    ("pigment { rgb 0 } finish { ambient 0 diffuse 0 mdf { ggx .5, .5 reflection { samples 8 } } }", ""),
+    ("pigment { rgb 1 } finish { ambient 0 diffuse 1 }", "radiosity { count 60 error_bound .5 pretrace_end .05 }")], ids=["rough", "matt"])
+def test_rays_that_spread_find_a_cloths_mean(render, plate, settings):
+    """Of one that shows its warp alone: to a rough plate, and a matt one, it is the same however wide its yarns are."""
+    def lit(crossings):
+        wall = sheet(-9, -9, 9, 9, -4) + cloth(f"weave 1, 0, 0 crossings {crossings}") + "}\n"
+        lamp = "light_source { <40, 60, 50>, rgb 1 parallel point_at 0 shadowless }\n"
+        text = scene(wall + sheet() + f"texture {{ {plate} }} }}", lamp, FRONT.replace("assumed_gamma 1", f"assumed_gamma 1 {settings}"))
+        return render(text, size=(24, 24), dump=False).image
+    fine, coarse = lit(9000), lit(9)
+    assert fine.min() > .01 and coarse == pytest.approx(fine, rel=1e-3)
 
 
 def test_the_same_for_any_number_of_threads(render):

@@ -208,6 +208,7 @@ sphere { y, .5 pigment { rgb 1 } }
     ("bump_image { png \"broken.png\" strength }", "mdf: bump_image strength needs a number, } found instead."),
     ("tangent <0, 0, 0>", "mdf: tangent <0, 0, 0> has no direction."),
     ("tangent <1e-20, 0, 0>", "mdf: tangent <1e-20, 0, 0> has no direction."), ("fabric { weave 2e9, 1, 1 }", "mdf: weave needs three whole numbers: ends under, ends over, shift; 2e+09 is none."),
+    ("fabric { weave , 1, 2, 1 }", "mdf: weave: ends under needs a number, a comma found instead."),
     ("fabric { weave 4096, 1, 0 }", "mdf: there is no weave 4096, 1, 0: ends under (1 at least) and over (0 at least) are 4096 together at most."),
     ("tangent <1e300 * 1e300, 0, 0>", "mdf: tangent <inf, 0, 0> has no direction."),
     ("tangent radial", "mdf: expected an axis after 'tangent radial', as in tangent radial y, but found }."),

@@ -172,6 +172,15 @@ def test_textures_that_are_averaged_share_the_rays(render):
     assert 3 * hits < reflected(result) <= 4 * hits * 1.05
 
 
+def test_each_of_two_layers_mirrors_the_room(render):
+    """Also where the rays of one have met a wall before those of the other set out."""
+    layer = "texture {{ pigment {{ rgbt <0, 0, 0, {}> }} finish {{ ambient 0 diffuse 0 mdf {{ ashikhmin_shirley %s, %s specular {} horizon hard tangent x reflection {{ samples 16 }} }} }} }}" % (EX, EY)
+    plate = scene("", "sphere { 0, 1000 hollow pigment { rgb 1 } finish { ambient 0 diffuse 0 emission 1 } }")
+    layers = layer.format(0, "rgb <1, .2, 0>") + layer.format(1, "rgb <0, .5, .3>")
+    result = render(plate[:plate.index("pigment")] + layers + plate[plate.index("}\nsphere"):], (24, 18), dump=False)
+    assert mean(result) == CLOSE(albedo() * np.array([1, .7, .3]), rel=.02)
+
+
 def test_clamp_holds_what_a_ray_brings(render):
     bright = "background { rgb 50 }"
     held = mean(render(scene("reflection { samples 64 clamp 2 }", bright), (32, 24), dump=False))
@@ -193,6 +202,17 @@ def test_without_it_ambient_light_counts(render, finish, share):
 def test_radiosity_lights_metal(render):
     text = scene("", "background { rgb 1 }").replace("assumed_gamma 1", "assumed_gamma 1 radiosity { count 60 error_bound .5 pretrace_end .05 }")
     assert mean(render(text, dump=False)) == CLOSE(albedo() * COLOUR, rel=0.05)
+
+
+def test_radiosity_leaves_highlights_out(render):
+    """A matt plate faces a wall that a lamp behind the plate lights: what is matt of it shines back, as in POV-Ray, and nothing else."""
+    def lit(kd, specular):
+        wall = f"box {{ <-9, -9, -5>, <9, 9, -4> pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 mdf {{ ggx .5, .5 fresnel none specular {specular} diffuse lambert rgb {kd} }} }} }}"
+        return render(f"""#version 3.7; global_settings {{ assumed_gamma 1 radiosity {{ count 60 error_bound .5 pretrace_end .05 }} }}
+camera {{ orthographic location <0, 0, -3> right 2*x up 2*y look_at 0 }} light_source {{ <0, 0, 50>, rgb 1 parallel point_at 0 }}
+{wall} box {{ <-1, -1, 0>, <1, 1, .1> pigment {{ rgb 1 }} finish {{ ambient 0 diffuse 1 }} no_shadow }}""", (12, 12), dump=False).image
+    matt = lit(.5, 0)
+    assert lit(0, .9).max() == 0 and matt.min() > .1 and lit(.5, .9) == CLOSE(matt, rel=1e-3)
 
 
 def test_conserve_energy_takes_it_from_what_lies_below(render):

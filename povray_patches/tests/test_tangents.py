@@ -139,6 +139,14 @@ def test_uv_plane_of_a_stretched_mesh(render):
         check(dump, np.array(direction, float))
 
 
+def test_a_sharp_edge_parts_the_strokes_of_its_sides(render):
+    """A sheet folded along y, on whose right the strokes turn: neither side has something of the other's."""
+    sheet = ("mesh2 { vertex_vectors { 6, <-1, -1, .5>, <0, -1, 0>, <1, -1, .5>, <-1, 1, .5>, <0, 1, 0>, <1, 1, .5> }\n"
+             "uv_vectors { 6, <-1, -1>, <0, -1>, <1, 0>, <-1, 1>, <0, 1>, <1, 2> } face_indices { 4, <0, 1, 4>, <0, 4, 3>, <1, 2, 5>, <1, 5, 4> }\n")
+    dump = render(scene(sheet + texture("tangent uv") + " }")).dump
+    check(dump, np.where(dump.P[..., :1] < 0, [1, 0, -.5], [1, -1, .5]), 1e-5)
+
+
 def test_a_texture_that_stands_on_the_uv_plane(render):
     dump = render(scene(f"sphere {{ 0, 1 {texture('tangent uv', 'rotate 90*y')} }}")).dump
     check(dump, sphere_directions(dump.P)[0], 2e-5, known=np.abs(dump.P[..., 1]) < .95)
