@@ -36,10 +36,10 @@ def shining(mixed=False, at=None, **given):
             "closures": [{"closure": "EMISSION", "weight": registers(COLOR, 3)}]}
 
 
-def seen(pixels, blur, material=None, camera=None, side=SIDE, samples=64, bodies={}, **given):
+def seen(pixels, blur, material=None, camera=None, side=SIDE, samples=64, bodies=None, **given):
     """The first channel, row 0 at the bottom."""
     made = scene(width=side, height=side, samples=samples, lights=[], transparent=False, images=[image(pixels, **given)],
-                 materials=[material or shining()], camera=camera or ortho(), texture_blur=blur, **bodies)
+                 materials=[material or shining()], camera=camera or ortho(), texture_blur=blur, **(bodies or {}))
     return render(made)[0][..., :3]
 
 
@@ -73,7 +73,7 @@ def test_a_wave_fades_as_by_the_footprint(blur, size):
     there, far = np.diag([size, size, size, 1.0]), np.eye(4)
     far[0, 3] = 9e3
     bodies = {"apart": 1, "meshes": [square(1 / size)], "instances": [{"mesh": 0, "matrix": m.ravel().tolist()} for m in (there, far)]}
-    found = seen(wave(periods, down=WIDE), blur, samples=1024, bodies=bodies if size != 1 else {}).mean(0)[:, 0]
+    found = seen(wave(periods, down=WIDE), blur, samples=1024, bodies=bodies if size != 1 else None).mean(0)[:, 0]
     wanted = 0.4 * np.sinc(periods / SIDE) * kept(blur * texels, periods)
     assert abs(amplitude(found, periods)) == pytest.approx(wanted, abs=0.0015)
 
