@@ -404,6 +404,7 @@ def spent():
     return found
 
 
+@pytest.mark.skipif(not Path("/proc/self/schedstat").exists(), reason="the kernel does not say what threads spend")
 @pytest.mark.parametrize("threads", [1, 2, 4])
 def test_as_many_threads_as_are_asked_for(threads):
     """Whatever the cores; Embree's own, which build, sleep then."""
