@@ -125,7 +125,7 @@ def test_a_sky_of_light_that_is_scattered_once(air, dust, altitude):
         gained = sum(np.multiply.outer(scatter, part * steps * by) for scatter, part, by in zip(scatters, there, phase))
         expected.append(light_of((gained * np.exp(-lost)).sum(-1)))
     seen = shown("SINGLE", air=air, dust=dust, altitude=altitude)
-    np.testing.assert_allclose(seen, expected, rtol=0.06)
+    np.testing.assert_allclose(seen, expected, rtol=0.03)  # of which the fit of light_of is .01
 
 
 @pytest.mark.parametrize("air, dust, ozone, altitude", [(1.0, 1.0, 1.0, 20e3), (3.0, 0.0, 5.0, 30e3), (1.0, 10.0, 0.0, 8e3)])

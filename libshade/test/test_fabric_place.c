@@ -233,7 +233,7 @@ static void streaks_lie_where_the_bright_yarns_are(void **state) {
       *(double *)(void *)((char *)&w + rows[f].part[k]) = 0.8;
     cloth c = uneven_cloth(w, 1, (double[3]){0.5, 0.5, 0.5});
     double with = 0, without = 0;
-    for (int k = 0; k < 100; k++) {
+    for (int k = 0; k < 200; k++) {
       const double uv[2] = {500 * fmod(k * 0.7548776662466927, 1),
                             500 * fmod(k * 0.5698402909980532, 1)};
       const double z[3] = {0, 0, 1};

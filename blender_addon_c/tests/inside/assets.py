@@ -69,7 +69,7 @@ def linear_of(item):
     pixels = np.array(item.preview.image_pixels_float[:]).reshape(-1, 4)
     ball = pixels[pixels[:, 3] > 0.99, :3]
     pixels = ball[ball.max(axis=1) < 0.98]
-    assert len(pixels) > 0.9 * len(ball), f"{item.name}: a tenth is too bright"
+    assert len(pixels) > max(0.9 * len(ball), 0.35 * item.preview.image_size[0] ** 2), f"{item.name}: a tenth is too bright, or little of it is seen"
     return np.where(pixels < 0.04045, pixels / 12.92, ((pixels + 0.055) / 1.055) ** 2.4).mean(0)
 
 
